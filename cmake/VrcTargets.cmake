@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+
+# Flags of every target of ours.
+add_library(vrc_flags INTERFACE)
+target_compile_options(vrc_flags INTERFACE
+  -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wunused -Woverloaded-virtual
+  -Wconversion -Wno-sign-conversion -Wno-psabi
+  -fno-math-errno -fno-trapping-math)
+if(VRC_WERROR)
+  target_compile_options(vrc_flags INTERFACE -Werror)
+endif()
+if(VRC_NATIVE)
+  target_compile_options(vrc_flags INTERFACE -march=native)
+endif()
+
+# vrc_library(NAME PUBLIC libs... PRIVATE libs...)
+# A layer: sources in NAME/src, include root NAME/include. A source sees only the include roots of
+# the libraries it links, so an upward include does not compile.
+function(vrc_library name)
+  cmake_parse_arguments(ARG "" "" "PUBLIC;PRIVATE" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.cpp)
+  add_library(vrc_${name} STATIC ${sources})
+  target_include_directories(vrc_${name} PUBLIC ${CMAKE_CURRENT_SOURCE_DIR}/include
+                                         PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
+  target_link_libraries(vrc_${name} PUBLIC ${ARG_PUBLIC} PRIVATE vrc_flags ${ARG_PRIVATE})
+endfunction()

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+
+namespace vrc {
+
+enum class PlacementMetric {
+  kHessian,  ///< Radii from eq. 4.
+  kUniform,  ///< One radius everywhere (for comparison).
+};
+
+/// How records are made. The defaults need no tuning on ordinary scenes.
+struct CacheOptions {
+  double error = 0.02;          ///< Accepted relative error of the picture; smaller makes more records.
+  int records = 0;              ///< > 0: adapt the error threshold to reach this many within 5 %.
+  int gather_rays = 0;          ///< Rays of a record, rounded up to a power of two; 0 chooses by sharpness.
+  int taylor_order = 2;         ///< 0, 1 or 2: the order of the interpolant of eq. 13.
+  bool glossy_glossy = true;    ///< Derivative of the incident radiance reflected by glossy surfaces.
+  PlacementMetric metric = PlacementMetric::kHessian;
+  double max_normal_deviation = 0.1;  ///< theta_max of eq. 13. [rad]
+  bool joint_fit = true;        ///< Refine records by their neighbours' values, weighted by noise.
+};
+
+}  // namespace vrc

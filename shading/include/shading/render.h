@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "core/image.h"
+#include "core/run_control.h"
+#include "core/timing.h"
+#include "placement/cache_options.h"
+#include "placement/radiance_cache.h"
+#include "transport/scene.h"
+
+namespace vrc {
+
+enum class Method { kCache, kPath, kDirect };
+enum class Component { kFull, kDirect, kIndirect };
+
+/// Pixels [x0, x1) x [y0, y1) of the film.
+struct CropWindow {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+};
+
+struct RenderOptions {
+  Method method = Method::kCache;
+  Component only = Component::kFull;
+  int bounces = 1;             ///< Indirect bounces: 0 is direct light only; -1 is unbounded.
+  int samples_per_pixel = 16;
+  int light_samples = 0;       ///< Of the direct light, per camera sample; 0 chooses by method.
+  std::uint64_t seed = 0;
+  std::optional<CropWindow> crop;  ///< Pixels outside stay black.
+  bool aovs = false;           ///< Adds the layers albedo, N and depth.
+  CacheOptions cache;
+};
+
+struct RenderStats {
+  std::vector<PhaseTime> phases;
+  std::uint64_t records = 0;
+  std::uint64_t gather_rays = 0;  ///< Rays from records to find their surroundings.
+  std::uint64_t shadow_rays = 0;
+  std::uint64_t camera_rays = 0;
+  std::uint64_t other_rays = 0;   ///< Bounces of paths.
+  bool unfinished = false;        ///< Interrupted: the picture holds what there was.
+};
+
+/// The picture with channels R, G, B (the chosen component), then direct.{R,G,B} and
+/// indirect.{R,G,B}, then with `aovs` albedo.{R,G,B}, N.{X,Y,Z} and depth.Z.
+struct RenderResult {
+  Image image;
+  RenderStats stats;
+  std::optional<RadianceCache> cache;  ///< With Method::kCache.
+};
+
+/// Same bytes for the same scene, options and seed, at any thread count.
+[[nodiscard]] RenderResult render(const Scene& scene, const RenderOptions& options, const RunControl& control = {});
+
+}  // namespace vrc
