@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
-# Flags of every target of ours.
+# Flags of every target of ours. GCC 12 reports Eigen's fixed-size vectors as maybe uninitialised.
 add_library(vrc_flags INTERFACE)
 target_compile_options(vrc_flags INTERFACE
   -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wunused -Woverloaded-virtual
-  -Wconversion -Wno-sign-conversion -Wno-psabi
+  -Wconversion -Wno-sign-conversion -Wno-psabi -Wno-maybe-uninitialized
   -fno-math-errno -fno-trapping-math)
 if(VRC_WERROR)
   target_compile_options(vrc_flags INTERFACE -Werror)

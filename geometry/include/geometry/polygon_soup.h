@@ -10,11 +10,15 @@
 
 namespace vrc {
 
+/// Largest magnitude of a coordinate: Embree ignores triangles beyond about 1.8e18.
+inline constexpr double kMaxCoordinate = 1e18;
+
 /// Polygons as a file gives them, before any connectivity is built.
 ///
-/// Invariants (`validate` checks them): every position is finite; every index is in range; every
-/// face has at least three corners. Faces may be concave, duplicated, degenerate or inconsistently
-/// oriented: those are defects of the mesh, which `geometry/` repairs and reports.
+/// Invariants (`validate` checks them): every position is finite and at most `kMaxCoordinate` in
+/// magnitude; normals are unit vectors; texture coordinates are finite; every index is in range;
+/// every face has at least three corners. Faces may be concave, duplicated, degenerate or
+/// inconsistently oriented: those are defects of the mesh, which `geometry/` repairs and reports.
 struct PolygonSoup {
   std::string source;  ///< File or generator, for messages.
 
@@ -33,6 +37,7 @@ struct PolygonSoup {
   [[nodiscard]] std::span<const std::uint32_t> face_positions(std::size_t face) const {
     return std::span(corner_position).subspan(face_begin[face], face_begin[face + 1] - face_begin[face]);
   }
+  /// Of the positions that faces use; empty when there is no face.
   [[nodiscard]] Box3 bounds() const;
 
   /// Appends a face with position indices only; keeps the optional per-corner arrays in step.
@@ -43,7 +48,9 @@ struct PolygonSoup {
 };
 
 /// Transforms positions by `to_world`, normals by its inverse transpose; a mirroring transform
-/// reverses the corner order, so that faces keep their outside.
+/// reverses the corner order, so that faces keep their outside. Throws InputError naming `source`,
+/// and leaves the soup as it was, when the matrix is not affine, not invertible or not finite, or
+/// when a transformed coordinate exceeds `kMaxCoordinate`.
 void transform(PolygonSoup& soup, const Mat4& to_world);
 
 }  // namespace vrc

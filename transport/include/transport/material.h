@@ -45,10 +45,12 @@ struct Material {
 void scale(Material& material, float weight);
 
 /// Merges lobes of equal shape (all Lambert lobes; Phong of equal exponent; equal GGX) and drops
-/// black ones. The order of the result is Lambert first, then glossy lobes by rising sharpness.
+/// black ones. The order of the result is Lambert first, then glossy lobes by rising sharpness
+/// (the Phong exponent, or the one that falls off like GGX at its peak, 1 / (2 alpha^2)).
 void normalize_lobes(Material& material);
 
-/// `weight` in [0, 1] is the share of `b`.
+/// `weight` in [0, 1] is the share of `b`. Lobes are normalised; the name is that of `a`; two-sided
+/// when either is.
 [[nodiscard]] Material blend(const Material& a, const Material& b, float weight);
 
 }  // namespace vrc

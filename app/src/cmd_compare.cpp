@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "app/command_line.h"
+#include "cli_values.h"
+#include "commands.h"
+#include "core/image_error.h"
+#include "io/color.h"
+#include "io/image_io.h"
+
+namespace vrc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFooter = R"(
+relMSE is the mean over pixels and channels of (A - B)^2 / (B^2 + 0.01). With --second-half it is that of
+(A - R1)(A - R2) / (R^2 + 0.01), R = (R1 + R2) / 2: two independent references, whose noise cancels.
+The heat map runs from dark violet (relative error 0.001 and below) to yellow (1 and above) in steps of
+equal factors; pixels that are not finite are magenta.
+
+Examples:
+  vrc compare picture.exr reference.exr --heatmap error.png
+  vrc compare picture.exr half1.exr --second-half half2.exr --layer indirect --json)";
+
+struct CompareArguments {
+  fs::path image, reference;
+  std::optional<fs::path> second_half, heatmap;
+  std::string layer;
+  int block = 1;
+  bool json = false;
+};
+
+/// The image and its reference; with two halves of the reference, their mean stands for it.
+struct ImageSet {
+  Image image, reference;
+  std::optional<Image> first_half, second_half;
+};
+
+struct CompareReport {
+  ImageError pixels;
+  std::optional<double> two_half;
+  std::optional<ImageError> blocks;
+  std::optional<double> two_half_blocks;
+};
+
+/// R, G, B of the layer alone; says which file lacks them.
+Image read_rgb(const fs::path& path, const std::string& layer) {
+  const Image whole = read_image(path);
+  try {
+    return mean_rgb(whole, whole, layer);
+  } catch (const InputError& error) {
+    throw InputError(path.string(), 0, error.what());
+  }
+}
+
+ImageSet read_images(const CompareArguments& arguments) {
+  ImageSet set{
+      read_rgb(arguments.image, arguments.layer), read_rgb(arguments.reference, arguments.layer), {}, {}};
+  if (!arguments.second_half) return set;
+  set.first_half = std::move(set.reference);
+  set.second_half = read_rgb(*arguments.second_half, arguments.layer);
+  set.reference = mean_rgb(*set.first_half, *set.second_half);
+  return set;
+}
+
+ImageSet blocks_of(const ImageSet& set, int size) {
+  ImageSet blocks{block_means(set.image, size), block_means(set.reference, size), {}, {}};
+  if (set.first_half) blocks.first_half = block_means(*set.first_half, size);
+  if (set.second_half) blocks.second_half = block_means(*set.second_half, size);
+  return blocks;
+}
+
+std::optional<double> two_half_error(const ImageSet& set) {
+  if (!set.first_half) return std::nullopt;
+  return two_half_relmse(set.image, *set.first_half, *set.second_half);
+}
+
+CompareReport compare(const ImageSet& set, int block) {
+  CompareReport report;
+  report.pixels = compare_rgb(set.image, set.reference);
+  report.two_half = two_half_error(set);
+  if (block > 1) {
+    const ImageSet blocks = blocks_of(set, block);
+    report.blocks = compare_rgb(blocks.image, blocks.reference);
+    report.two_half_blocks = two_half_error(blocks);
+  }
+  return report;
+}
+
+/// The relative error as colours, a factor of ten for each third of the map.
+Image heat_map(const ImageSet& set) {
+  const Image error = relative_error_map(set.image, set.reference);
+  Image colors(error.width, error.height, {"R", "G", "B"});
+  for (std::size_t p = 0; p < error.pixel_count(); ++p) {
+    const double e = static_cast<double>(error.pixels[p]);
+    const Rgb color = std::isnan(e) ? Rgb::Constant(std::numeric_limits<float>::quiet_NaN()).eval()
+                                    : map_color((std::log10(e) + 3.0) / 3.0);
+    for (std::size_t c = 0; c < 3; ++c) colors.pixels[3 * p + c] = color[static_cast<Eigen::Index>(c)];
+  }
+  return colors;
+}
+
+std::string as_json(const CompareReport& report, int block) {
+  nlohmann::ordered_json json{
+      {"mse", report.pixels.mse},         {"rmse", report.pixels.rmse},
+      {"relmse", report.pixels.relmse},   {"mean_ratio", report.pixels.mean_ratio},
+      {"max_abs", report.pixels.max_abs}, {"non_finite", report.pixels.non_finite},
+  };
+  if (report.two_half) json["two_half_relmse"] = *report.two_half;
+  if (report.blocks) {
+    json["block"] = block;
+    json["block_relmse"] = report.blocks->relmse;
+  }
+  if (report.two_half_blocks) json["block_two_half_relmse"] = *report.two_half_blocks;
+  return json.dump(2) + "\n";
+}
+
+std::string as_text(const CompareReport& report, int block) {
+  std::string text;
+  const auto line = [&text](const std::string& name, double value) {
+    text += fmt::format("{:<24}{:.6g}\n", name, value);
+  };
+  line("MSE", report.pixels.mse);
+  line("RMSE", report.pixels.rmse);
+  line("relMSE", report.pixels.relmse);
+  if (report.two_half) line("relMSE, two halves", *report.two_half);
+  if (report.blocks) line(fmt::format("relMSE, {0}x{0} blocks", block), report.blocks->relmse);
+  if (report.two_half_blocks) line("  two halves", *report.two_half_blocks);
+  line("mean ratio", report.pixels.mean_ratio);
+  line("max abs", report.pixels.max_abs);
+  line("not finite", static_cast<double>(report.pixels.non_finite));
+  return text;
+}
+
+int run_compare(const CompareArguments& arguments) {
+  if (arguments.heatmap && arguments.heatmap->extension() != ".png") {
+    throw InputError(arguments.heatmap->string(), 0, "heat maps are written as .png; choose this extension");
+  }
+  const ImageSet set = read_images(arguments);
+  const CompareReport report = compare(set, arguments.block);
+  if (arguments.heatmap) write_png(*arguments.heatmap, heat_map(set));
+  std::cout << (arguments.json ? as_json(report, arguments.block) : as_text(report, arguments.block))
+            << std::flush;
+  return report.pixels.non_finite > 0 ? kExitFailure : kExitDone;
+}
+
+void declare_options(CLI::App& command, CompareArguments& arguments) {
+  command.add_option("image", arguments.image, "Picture to judge")->type_name("A")->required();
+  command.add_option("reference", arguments.reference, "Reference, or its first half")
+      ->type_name("B")
+      ->required();
+  const auto add_file = [&](const char* name, std::optional<fs::path>& target, const char* description) {
+    add_value(command, name, "FILE", description, "a file name", [&target](const std::string& text) {
+      target = text;
+      return !text.empty();
+    });
+  };
+  add_file("--second-half", arguments.second_half, "Second half of the reference, of independent noise");
+  add_file("--heatmap", arguments.heatmap, "Write the relative error of each pixel as a PNG");
+  command.add_option("--layer", arguments.layer, "Compare NAME.R, NAME.G, NAME.B instead of R, G, B")
+      ->type_name("NAME");
+  add_number(command, "--block", arguments.block, NumberRange<int>{1, 16384},
+             "Also give the relMSE of means over N x N pixels");
+  command.add_flag("--json", arguments.json, "Print JSON");
+  command.footer(kFooter);
+}
+
+}  // namespace
+
+CommandAction add_compare_command(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("compare", "Measure the difference of two pictures");
+  const auto arguments = std::make_shared<CompareArguments>();
+  declare_options(*command, *arguments);
+  return [arguments] { return run_compare(*arguments); };
+}
+
+}  // namespace vrc

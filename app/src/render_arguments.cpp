@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "render_arguments.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "cli_values.h"
+#include "io/atomic_file.h"
+
+namespace vrc {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kFooter = R"(
+Examples:
+  vrc render scenes/cornell_glossy.xml -o box.exr -o box.png
+  vrc render scenes/cornell_glossy.xml --only indirect --error 0.01 --record-map records.ply -o box.exr
+  vrc render bunny.ply --size 640x480 --camera-origin 0,1,4 --camera-target 0,0.5,0 -o bunny.png
+The same command gives the same picture at any number of threads. Ctrl-C stops the work and writes
+what there is; a second one ends the program at once.)";
+
+void declare_outputs(CLI::App& command, RenderArguments& arguments) {
+  command
+      .add_option("-o,--output", arguments.images,
+                  "Picture to write: .exr (32-bit float, all layers) or .png (8-bit sRGB); may be repeated")
+      ->type_name("FILE")
+      ->required()
+      ->allow_extra_args(false)
+      ->group("Output");
+  const auto add_file = [&](const char* name, std::optional<fs::path>& target, const char* description) {
+    add_value(command, name, "FILE", description, "a file name", [&target](const std::string& text) {
+      target = text;
+      return !text.empty();
+    })->group("Output");
+  };
+  add_file("--record-map", arguments.record_map, "Write the cache records as PLY points");
+  add_file("--record-ellipses", arguments.record_ellipses, "Write the records' valid regions as a PLY mesh");
+  add_file("--stats", arguments.stats, "Write times, counts and settings as JSON");
+  add_file("--reference", arguments.reference, "Print the relMSE of R, G, B against this picture");
+  add_number(command, "--exposure", arguments.exposure, NumberRange<double>{-64.0, 64.0},
+             "Powers of two that PNG files are brightened by")
+      ->group("Output");
+  command.add_flag("--aovs", arguments.render.aovs, "Add the layers albedo, N and depth to EXR files")
+      ->group("Output");
+}
+
+void declare_picture(CLI::App& command, RenderArguments& arguments) {
+  const auto group = [](CLI::Option* option) { option->group("Picture"); };
+  RenderOptions& render = arguments.render;
+  group(add_choice(command, "--method", render.method,
+                   {{"cache", Method::kCache}, {"path", Method::kPath}, {"direct", Method::kDirect}},
+                   "Radiance cache, path tracing, or direct light only"));
+  group(add_choice(
+      command, "--only", render.only,
+      {{"full", Component::kFull}, {"direct", Component::kDirect}, {"indirect", Component::kIndirect}},
+      "Light that the channels R, G, B hold"));
+  group(add_number(command, "--bounces", arguments.bounces, NumberRange<int>{-1, 1024},
+                   "Indirect bounces; 0 is direct light only, -1 is unbounded", "the scene's max_depth - 2"));
+  group(add_value(command, "--size", "WxH", "Film size in pixels",
+                  "a size such as 640x480, at most 16384x16384",
+                  [&arguments](const std::string& text) {
+                    const auto size = parse_size(text);
+                    if (!size) return false;
+                    arguments.scene_options.width = size->first;
+                    arguments.scene_options.height = size->second;
+                    return true;
+                  })
+            ->default_str("the scene's"));
+  group(add_number(command, "--spp", arguments.samples_per_pixel, NumberRange<int>{1, 1 << 20},
+                   "Camera samples of a pixel", "the scene's"));
+  group(add_number(command, "--light-samples", render.light_samples, NumberRange<int>{0, 4096},
+                   "Direct light samples for each camera sample; 0 chooses by method"));
+  group(add_value(
+      command, "--crop", "x0,y0,x1,y1", "Render only these pixels, x1 and y1 excluded; others stay black",
+      "four whole numbers x0,y0,x1,y1 with 0 <= x0 < x1 and 0 <= y0 < y1",
+      [&render](const std::string& text) { return (render.crop = parse_crop(text)).has_value(); }));
+  group(add_number(command, "--seed", render.seed,
+                   NumberRange<std::uint64_t>{0, std::numeric_limits<std::uint64_t>::max()},
+                   "Another seed gives other noise"));
+}
+
+void declare_cache(CLI::App& command, CacheOptions& cache) {
+  const auto group = [](CLI::Option* option) {
+    option->group("Radiance cache");
+    return option;
+  };
+  CLI::Option* error = group(add_number(command, "--error", cache.error, NumberRange<double>{1e-5, 10.0},
+                                        "Accepted relative error of the picture; smaller is slower"));
+  group(add_number(command, "--records", cache.records, NumberRange<int>{1, 100'000'000},
+                   "Make about this many records (within 5 %) instead of following --error", "by --error"))
+      ->excludes(error);
+  group(add_number(command, "--gather-rays", cache.gather_rays, NumberRange<int>{16, 1 << 20},
+                   "Rays of a record, rounded up to a power of two", "by sharpness"));
+  group(add_number(command, "--taylor-order", cache.taylor_order, NumberRange<int>{0, 2},
+                   "Order of the interpolation between records"));
+  group(command.add_flag_callback(
+      "--no-glossy-glossy", [&cache] { cache.glossy_glossy = false; },
+      "Leave out the derivative of light reflected by glossy surfaces"));
+  group(add_choice(command, "--placement", cache.metric,
+                   {{"hessian", PlacementMetric::kHessian}, {"uniform", PlacementMetric::kUniform}},
+                   "Record radii by the radiance Hessian, or one radius everywhere"));
+  group(add_number(command, "--max-normal-deviation", cache.max_normal_deviation,
+                   NumberRange<double>{1e-3, 1.5}, "Largest angle of normals across a record, in radians"));
+}
+
+void declare_scene(CLI::App& command, RenderArguments& arguments) {
+  SceneReadOptions& scene = arguments.scene_options;
+  command.add_option("scene", arguments.scene, "Mitsuba 3 scene (.xml) or bare mesh (.obj, .ply)")
+      ->type_name("SCENE")
+      ->required();
+  const auto add_point = [&](const char* name, std::optional<Vec3>& target, const char* description) {
+    add_value(command, name, "x,y,z", description, "three numbers x,y,z", [&target](const std::string& text) {
+      return (target = parse_vec3(text)).has_value();
+    })->group("Scene");
+  };
+  command.add_option("-D,--define", "Set a parameter of the scene file; may be repeated")
+      ->type_name("NAME=VALUE")
+      ->allow_extra_args(false)
+      ->each([&scene](const std::string& text) {
+        const std::size_t equals = text.find('=');
+        if (equals == 0 || equals == std::string::npos) {
+          throw CLI::ValidationError("--define", fmt::format("'{}' is not of the form NAME=VALUE", text));
+        }
+        scene.defines[text.substr(0, equals)] = text.substr(equals + 1);
+      })
+      ->group("Scene");
+  command.add_flag("--lenient", scene.lenient, "Warn about what is not understood instead of stopping")
+      ->group("Scene");
+  add_point("--camera-origin", scene.camera_origin, "Where the camera of a bare mesh stands");
+  add_point("--camera-target", scene.camera_target, "What the camera of a bare mesh looks at");
+  add_number(command, "--fov", scene.fov_degrees, NumberRange<double>{0.01, 179.0},
+             "Horizontal field of view for a bare mesh, in degrees")
+      ->group("Scene");
+}
+
+std::string lower_extension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+bool same_file(const fs::path& a, const fs::path& b) {
+  std::error_code error;
+  return fs::weakly_canonical(a, error) == fs::weakly_canonical(b, error);
+}
+
+std::vector<fs::path> all_outputs(const RenderArguments& arguments) {
+  std::vector<fs::path> outputs = arguments.images;
+  for (const auto* extra : {&arguments.record_map, &arguments.record_ellipses, &arguments.stats}) {
+    if (*extra) outputs.push_back(**extra);
+  }
+  return outputs;
+}
+
+void check_outputs(const RenderArguments& arguments) {
+  for (const fs::path& image : arguments.images) {
+    const std::string extension = lower_extension(image);
+    if (extension != ".exr" && extension != ".png") {
+      throw InputError(image.string(), 0,
+                       "pictures are written as .exr or .png; choose one of these extensions");
+    }
+  }
+  const std::vector<fs::path> outputs = all_outputs(arguments);
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    require_writable(outputs[i]);
+    for (std::size_t k = 0; k < i; ++k) {
+      if (same_file(outputs[i], outputs[k]))
+        throw InputError(outputs[i].string(), 0, "is named for two outputs");
+    }
+    if (same_file(outputs[i], arguments.scene) ||
+        (arguments.reference && same_file(outputs[i], *arguments.reference))) {
+      throw InputError(outputs[i].string(), 0, "is an input of this command; write to another file");
+    }
+  }
+}
+
+}  // namespace
+
+void declare_render_options(CLI::App& command, RenderArguments& arguments) {
+  declare_scene(command, arguments);
+  declare_outputs(command, arguments);
+  declare_picture(command, arguments);
+  declare_cache(command, arguments.render.cache);
+  add_number(command, "--threads", arguments.threads, NumberRange<int>{1, 1024},
+             "Worker threads; the picture does not depend on them", "one for each processor")
+      ->group("Run");
+  command.add_flag("--quiet", arguments.quiet, "No progress and no notes")->group("Run");
+  command.footer(kFooter);
+}
+
+void check_render_arguments(const RenderArguments& arguments) {
+  const bool wants_records = arguments.record_map || arguments.record_ellipses;
+  if (wants_records && arguments.render.method != Method::kCache) {
+    throw InputError("--record-map and --record-ellipses need --method cache");
+  }
+  const SceneReadOptions& scene = arguments.scene_options;
+  if ((scene.camera_origin || scene.camera_target || scene.fov_degrees) &&
+      lower_extension(arguments.scene) == ".xml") {
+    throw InputError(
+        "--camera-origin, --camera-target and --fov are for bare meshes; edit the <sensor> of the scene, or "
+        "use -D with a parameter of it");
+  }
+  std::error_code error;
+  if (!fs::exists(arguments.scene, error)) throw InputError(arguments.scene.string(), 0, "no such file");
+  check_outputs(arguments);
+}
+
+RenderOptions render_options_for(const RenderArguments& arguments, const SceneDescription& scene) {
+  RenderOptions options = arguments.render;
+  options.samples_per_pixel = arguments.samples_per_pixel.value_or(scene.samples_per_pixel);
+  const int scene_bounces = scene.max_depth < 0 ? -1 : std::max(0, scene.max_depth - 2);
+  options.bounces = arguments.bounces.value_or(scene_bounces);
+  if (options.crop && (options.crop->x1 > scene.camera.width || options.crop->y1 > scene.camera.height)) {
+    throw InputError(fmt::format("--crop: the window reaches outside the film of {}x{} pixels",
+                                 scene.camera.width, scene.camera.height));
+  }
+  return options;
+}
+
+}  // namespace vrc

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "io/scene_reader.h"
+#include "shading/render.h"
+
+namespace CLI {
+class App;
+}
+
+namespace vrc {
+
+/// What the user asked `vrc render` to do.
+struct RenderArguments {
+  std::filesystem::path scene;
+  SceneReadOptions scene_options;
+  RenderOptions render;                  ///< Without what the scene decides; see `render_options_for`.
+  std::optional<int> samples_per_pixel;  ///< Default: the scene's.
+  std::optional<int> bounces;            ///< Default: from the scene's max_depth.
+  int threads = 0;                       ///< 0: every processor.
+  bool quiet = false;
+
+  std::vector<std::filesystem::path> images;  ///< .exr and .png
+  std::optional<std::filesystem::path> record_map, record_ellipses, stats;
+  std::optional<std::filesystem::path> reference;
+  double exposure = 0.0;  ///< Of PNG files, in powers of two.
+};
+
+/// Declares the options of the command on `command`; parsing fills `arguments`, which must live as
+/// long as `command`.
+void declare_render_options(CLI::App& command, RenderArguments& arguments);
+
+/// Throws InputError when a file cannot be written where it is wanted, has an unknown type, would
+/// replace an input or another output, or when options do not go together.
+void check_render_arguments(const RenderArguments& arguments);
+
+/// Completes `arguments.render` by what the scene says. Throws InputError when the crop window lies
+/// outside the film.
+[[nodiscard]] RenderOptions render_options_for(const RenderArguments& arguments,
+                                               const SceneDescription& scene);
+
+}  // namespace vrc

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "stats_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "app/progress.h"
+#include "app/version.h"
+
+namespace vrc {
+
+std::uint64_t total_rays(const RenderStats& stats) {
+  return stats.gather_rays + stats.shadow_rays + stats.camera_rays + stats.other_rays;
+}
+
+double rays_per_second(const RunReport& report) {
+  const auto rays = static_cast<double>(total_rays(report.stats));
+  return report.render_seconds > 0.0 ? rays / report.render_seconds : 0.0;
+}
+
+std::string_view name_of(Method method) {
+  switch (method) {
+    case Method::kCache:
+      return "cache";
+    case Method::kPath:
+      return "path";
+    case Method::kDirect:
+      return "direct";
+  }
+  VRC_CHECK(false, "method {}", static_cast<int>(method));
+}
+
+std::string_view name_of(Component component) {
+  switch (component) {
+    case Component::kFull:
+      return "full";
+    case Component::kDirect:
+      return "direct";
+    case Component::kIndirect:
+      return "indirect";
+  }
+  VRC_CHECK(false, "component {}", static_cast<int>(component));
+}
+
+std::string stats_json(const RunReport& report) {
+  using Json = nlohmann::ordered_json;
+  const RenderStats& stats = report.stats;
+  Json phases = Json::array();
+  for (const PhaseTime& phase : stats.phases) {
+    phases.push_back({{"name", phase.name}, {"seconds", phase.seconds}, {"cpu_seconds", phase.cpu_seconds}});
+  }
+  Json json{
+      {"version", kVersion},
+      {"scene", report.scene},
+      {"command_line", report.command_line},
+      {"method", name_of(report.options.method)},
+      {"only", name_of(report.options.only)},
+      {"width", report.width},
+      {"height", report.height},
+      {"spp", report.options.samples_per_pixel},
+      {"bounces", report.options.bounces},
+      {"seed", report.options.seed},
+      {"threads", report.threads},
+      {"unfinished", stats.unfinished},
+      {"seconds", report.seconds},
+      {"cpu_seconds", report.cpu_seconds},
+      {"phases", std::move(phases)},
+      {"records", stats.records},
+      {"gather_rays", stats.gather_rays},
+      {"shadow_rays", stats.shadow_rays},
+      {"camera_rays", stats.camera_rays},
+      {"other_rays", stats.other_rays},
+      {"rays_per_second", rays_per_second(report)},
+      {"peak_memory_bytes", peak_memory_bytes()},
+  };
+  if (report.relmse) json["relmse"] = *report.relmse;
+  // File names may hold bytes that are no UTF-8; they are replaced rather than refused.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string summary_line(const RunReport& report) {
+  std::string line = fmt::format("{:.2f} s, {:.2f} CPU s", report.seconds, report.cpu_seconds);
+  if (report.options.method == Method::kCache) {
+    line += fmt::format(", {} records", report.stats.records);
+  }
+  line +=
+      fmt::format(", {}rays ({}rays/s), {} MB", short_count(static_cast<double>(total_rays(report.stats))),
+                  short_count(rays_per_second(report)), peak_memory_bytes() >> 20);
+  if (report.relmse) line += fmt::format(", relMSE {:.3e}", *report.relmse);
+  return line;
+}
+
+}  // namespace vrc

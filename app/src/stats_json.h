@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "shading/render.h"
+
+namespace vrc {
+
+/// One finished run of `vrc render`, as it is reported.
+struct RunReport {
+  std::string scene;
+  std::string command_line;
+  int width = 0;
+  int height = 0;
+  int threads = 0;
+  RenderOptions options;
+  RenderStats stats;  ///< Its phases are all phases of the run, reading and writing included.
+  double seconds = 0.0;
+  double cpu_seconds = 0.0;
+  double render_seconds = 0.0;  ///< What `rays_per_second` divides by.
+  std::optional<double> relmse;
+};
+
+[[nodiscard]] std::uint64_t total_rays(const RenderStats& stats);
+[[nodiscard]] double rays_per_second(const RunReport& report);
+
+/// The command-line words of the options.
+[[nodiscard]] std::string_view name_of(Method method);
+[[nodiscard]] std::string_view name_of(Component component);
+
+/// JSON text with the fields named as in the report; numbers that are not finite become null.
+[[nodiscard]] std::string stats_json(const RunReport& report);
+
+/// "12.3 s, 24.1 CPU s, 2.05 k records, 18.2 M rays (8.10 M/s), 210 MB, relMSE 4.6e-04"
+[[nodiscard]] std::string summary_line(const RunReport& report);
+
+}  // namespace vrc

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "core/image_error.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace vrc {
+namespace {
+
+using ChannelIndices = std::array<std::size_t, 3>;
+
+ChannelIndices rgb_channels(const Image& image, std::string_view layer) {
+  ChannelIndices indices{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::string letter(1, "RGB"[c]);
+    const std::string name = layer.empty() ? letter : std::string(layer) + "." + letter;
+    const auto found = std::find(image.channels.begin(), image.channels.end(), name);
+    if (found == image.channels.end()) {
+      throw InputError(fmt::format("an image has no channel '{}'; its channels are {}", name,
+                                   fmt::join(image.channels, ", ")));
+    }
+    indices[c] = static_cast<std::size_t>(found - image.channels.begin());
+  }
+  return indices;
+}
+
+void require_same_size(const Image& a, const Image& b) {
+  if (a.width != b.width || a.height != b.height) {
+    throw InputError(fmt::format("the images differ in size: {}x{} and {}x{}; compare pictures of one size",
+                                 a.width, a.height, b.width, b.height));
+  }
+}
+
+/// The red, green and blue values of one layer, addressed by pixel number.
+class RgbView {
+ public:
+  RgbView(const Image& image, std::string_view layer)
+      : image_(&image), indices_(rgb_channels(image, layer)) {}
+  [[nodiscard]] double operator()(std::size_t pixel, std::size_t channel) const {
+    return image_->pixels[pixel * image_->channels.size() + indices_[channel]];
+  }
+
+ private:
+  const Image* image_;
+  ChannelIndices indices_;
+};
+
+double relative_squared(double error_product, double reference) {
+  return error_product / (reference * reference + kRelativeErrorOffset);
+}
+
+double mean_or_zero(double sum, std::size_t count) {
+  return count == 0 ? 0.0 : sum / static_cast<double>(count);
+}
+
+}  // namespace
+
+ImageError compare_rgb(const Image& image, const Image& reference, std::string_view layer) {
+  require_same_size(image, reference);
+  const RgbView values(image, layer);
+  const RgbView expected(reference, layer);
+  ImageError result;
+  double squared = 0.0, relative = 0.0, sum_image = 0.0, sum_reference = 0.0;
+  std::size_t count = 0;
+  for (std::size_t p = 0; p < image.pixel_count(); ++p) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double a = values(p, c), b = expected(p, c);
+      if (!std::isfinite(a) || !std::isfinite(b)) {
+        ++result.non_finite;
+        continue;
+      }
+      const double d = a - b;
+      squared += d * d;
+      relative += relative_squared(d * d, b);
+      sum_image += a;
+      sum_reference += b;
+      result.max_abs = std::max(result.max_abs, std::abs(d));
+      ++count;
+    }
+  }
+  result.mse = mean_or_zero(squared, count);
+  result.rmse = std::sqrt(result.mse);
+  result.relmse = mean_or_zero(relative, count);
+  if (sum_image != sum_reference) result.mean_ratio = sum_image / sum_reference;
+  return result;
+}
+
+double two_half_relmse(const Image& image, const Image& first_half, const Image& second_half,
+                       std::string_view layer) {
+  require_same_size(image, first_half);
+  require_same_size(image, second_half);
+  const RgbView values(image, layer);
+  const RgbView first(first_half, layer);
+  const RgbView second(second_half, layer);
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (std::size_t p = 0; p < image.pixel_count(); ++p) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double a = values(p, c), r1 = first(p, c), r2 = second(p, c);
+      if (!std::isfinite(a) || !std::isfinite(r1) || !std::isfinite(r2)) continue;
+      sum += relative_squared((a - r1) * (a - r2), 0.5 * (r1 + r2));
+      ++count;
+    }
+  }
+  return mean_or_zero(sum, count);
+}
+
+Image relative_error_map(const Image& image, const Image& reference, std::string_view layer) {
+  require_same_size(image, reference);
+  const RgbView values(image, layer);
+  const RgbView expected(reference, layer);
+  Image map(image.width, image.height, {"error"});
+  for (std::size_t p = 0; p < image.pixel_count(); ++p) {
+    double sum = 0.0;
+    bool finite = true;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double a = values(p, c), b = expected(p, c);
+      finite = finite && std::isfinite(a) && std::isfinite(b);
+      sum += relative_squared((a - b) * (a - b), b);
+    }
+    map.pixels[p] =
+        finite ? static_cast<float>(std::sqrt(sum / 3.0)) : std::numeric_limits<float>::quiet_NaN();
+  }
+  return map;
+}
+
+Image mean_rgb(const Image& first, const Image& second, std::string_view layer) {
+  require_same_size(first, second);
+  const RgbView a(first, layer);
+  const RgbView b(second, layer);
+  Image mean(first.width, first.height, {"R", "G", "B"});
+  for (std::size_t p = 0; p < mean.pixel_count(); ++p) {
+    for (std::size_t c = 0; c < 3; ++c)
+      mean.pixels[3 * p + c] = static_cast<float>(0.5 * (a(p, c) + b(p, c)));
+  }
+  return mean;
+}
+
+Image block_means(const Image& image, int size) {
+  VRC_CHECK(size > 0, "block size {}", size);
+  const auto blocks = [size](int length) { return length / size + (length % size != 0 ? 1 : 0); };
+  Image result(blocks(image.width), blocks(image.height), image.channels);
+  const std::size_t channels = image.channels.size();
+  std::vector<double> sum(channels);
+  for (int by = 0; by < result.height; ++by) {
+    for (int bx = 0; bx < result.width; ++bx) {
+      const int x0 = bx * size, x1 = std::min(image.width, x0 + size);
+      const int y0 = by * size, y1 = std::min(image.height, y0 + size);
+      std::fill(sum.begin(), sum.end(), 0.0);
+      for (int y = y0; y < y1; ++y) {
+        for (int x = x0; x < x1; ++x) {
+          for (std::size_t c = 0; c < channels; ++c) sum[c] += static_cast<double>(image.pixel(x, y)[c]);
+        }
+      }
+      const double count = static_cast<double>(x1 - x0) * (y1 - y0);
+      for (std::size_t c = 0; c < channels; ++c) result.pixel(bx, by)[c] = static_cast<float>(sum[c] / count);
+    }
+  }
+  return result;
+}
+
+Image crop(const Image& image, int x0, int y0, int x1, int y1) {
+  VRC_CHECK(0 <= x0 && x0 < x1 && x1 <= image.width && 0 <= y0 && y0 < y1 && y1 <= image.height,
+            "window [{}, {}) x [{}, {}) of an image of {}x{}", x0, x1, y0, y1, image.width, image.height);
+  Image result(x1 - x0, y1 - y0, image.channels);
+  const std::size_t row = static_cast<std::size_t>(result.width) * image.channels.size();
+  for (int y = y0; y < y1; ++y) std::copy_n(image.pixel(x0, y), row, result.pixel(0, y - y0));
+  return result;
+}
+
+}  // namespace vrc

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/frame.h"
+#include "core/jet2.h"
+#include "transport/path_tracer.h"
+#include "transport/scene.h"
+
+namespace vrc {
+
+/// Where a record is: a surface point, the tangent frame of its derivatives, and its viewer.
+struct RecordSite {
+  SurfacePoint point;
+  Frame frame;              ///< Around point.normal.
+  Vec3 to_camera;           ///< camera - x, not normalised.
+  double pixel_length = 0;  ///< World length of one pixel at this distance, facing the camera.
+  std::uint64_t key = 0;    ///< Seeds the record's random numbers; unique per site.
+};
+
+[[nodiscard]] RecordSite make_site(const Scene& scene, const SurfacePoint& point, std::uint64_t key);
+
+struct GatherOptions {
+  int log2_rays = 12;         ///< 2^k rays, k >= 10.
+  int bounces = 1;            ///< Of indirect light, as PathOptions::bounces; not 0.
+  bool glossy_glossy = true;  ///< Derivative of the radiance that glossy surfaces send to the record.
+  std::uint64_t seed = 0;
+};
+
+/// Outgoing radiance towards the camera and its derivatives on the surface [Zhao eq. 8-12].
+struct RadianceEstimate {
+  std::array<Jet2, 3> radiance;      ///< Per channel, in the site's frame.
+  Jet2 luminance;                    ///< Of `radiance`.
+  Jet2 variance;                     ///< Of each entry of `luminance`, from sixteen batches.
+  double nearest_hit = 0.0;          ///< Shortest gather ray; infinity when all escaped.
+  Vec3 nearest_direction = Vec3::Zero();
+  double mean_inverse_hit = 0.0;     ///< Mean of 1 / distance over the rays. [1/length]
+};
+
+/// Gathers with Owen-scrambled Sobol rays from a mixture of cosine and lobe sampling, and sums the
+/// closed-form derivatives of every ray's contribution while its hit stays fixed.
+[[nodiscard]] RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site, const GatherOptions& options,
+                                               RayCounts& counts);
+
+}  // namespace vrc

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "core/run_control.h"
+#include "core/timing.h"
+#include "placement/cache_options.h"
+#include "placement/radiance_cache.h"
+#include "transport/film_sampler.h"
+
+namespace vrc {
+
+/// The part of the picture that records must cover.
+struct PlacementView {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< Pixels [x0, x1) x [y0, y1).
+  const FilmSampler* film = nullptr;   ///< The samples that will be shaded.
+};
+
+struct PlacementResult {
+  std::vector<RadianceRecord> records;
+  RayCounts counts;
+  std::vector<PhaseTime> phases;
+  double epsilon = 0.0;        ///< The threshold that was used (RegionRule::epsilon).
+  double mean_luminance = 0.0;
+  bool unfinished = false;     ///< Stopped by the user: not every point is covered.
+};
+
+/// Regions are blended up to this multiple of their radii; records are placed by the radii themselves.
+inline constexpr double kBlendSupport = 1.4;
+/// Points that nothing covers are reached by regions widened so far before they get records.
+inline constexpr double kWideSupport = 3.0;
+
+/// Image-space placement in rounds: pixels in coarse-to-fine order that no region covers yet become
+/// records, gathered in parallel against the frozen cache and admitted in order, until every pixel
+/// and then every sample is covered. Deterministic at any thread count.
+[[nodiscard]] PlacementResult place_records(const Scene& scene, const PlacementView& view, const CacheOptions& options,
+                                            int bounces, std::uint64_t seed, const RunControl& control);
+
+/// Rays of a record when the user does not say: more for sharper lobes.
+[[nodiscard]] int default_log2_rays(const Scene& scene);
+
+}  // namespace vrc

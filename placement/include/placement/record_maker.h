@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include "placement/cache_options.h"
+#include "placement/record.h"
+
+namespace vrc {
+
+/// Turns gathered radiance into records: valid regions [Zhao eq. 4] and limits on the derivatives.
+struct RegionRule {
+  const CacheOptions* options = nullptr;
+  double epsilon = 1e-4;          ///< Threshold of eq. 4 in units of (picture width)^2: free of scale.
+  double mean_luminance = 1.0;    ///< Of the picture's indirect light; bounds relative errors in the dark.
+  int picture_width = 512;        ///< Pixels.
+  double uniform_radius = 0.0;    ///< PlacementMetric::kUniform: radius in picture widths.
+};
+
+/// sqrt(L^2 + (0.2 mean)^2): the L of the relative error, kept away from 0 in the dark.
+[[nodiscard]] double perceived(double value, double mean_luminance);
+
+/// Fills the record's region, radiance and clamp factor from its estimate. The radii lie between one
+/// pixel and a tenth of the picture, and within the nearest gather hit.
+void shape_record(RadianceRecord& record, const RegionRule& rule);
+
+/// Sets the radiance that a record with a known region passes on. Where the minimum radius overrides
+/// eq. 4 the Taylor terms would run away, so gradient and Hessian are scaled down until neither
+/// changes the radiance by more than `perceived` over the region.
+void set_radiance(RadianceRecord& record, const std::array<Jet2, 3>& jets, double mean_luminance);
+
+/// Gathers at the site. A site closer than half a pixel to the nearest hit (in a crease) is moved
+/// half a pixel away from it first, along its surface, and gathered again.
+[[nodiscard]] RadianceRecord make_record(const Scene& scene, const RecordSite& site, const GatherOptions& gather,
+                                         RayCounts& counts);
+
+}  // namespace vrc

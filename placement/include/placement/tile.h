@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "placement/radiance_cache.h"
+#include "transport/film_sampler.h"
+
+namespace vrc {
+
+inline constexpr int kTileSize = 16;
+
+/// The camera samples of a square of pixels: packet k of pixel p is entry p * packets_per_pixel + k.
+struct Tile {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  std::vector<CameraPacket> packets;
+  std::vector<SurfacePoint16> points;  ///< Parallel to `packets`.
+};
+
+/// Tiles of a pixel rectangle, in rows from the top; the last of a row or column may be smaller.
+struct TileLayout {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+
+  [[nodiscard]] int columns() const { return (x1 - x0 + kTileSize - 1) / kTileSize; }
+  [[nodiscard]] int rows() const { return (y1 - y0 + kTileSize - 1) / kTileSize; }
+  [[nodiscard]] std::size_t count() const { return static_cast<std::size_t>(columns()) * static_cast<std::size_t>(rows()); }
+};
+
+/// Traces the camera rays of tile `index`.
+[[nodiscard]] Tile trace_tile(const Scene& scene, const FilmSampler& film, const TileLayout& layout, std::size_t index,
+                              RayCounts& counts);
+
+/// Finds the records that may reach the points of a tile, and for each packet those that do.
+class TileRecords {
+ public:
+  TileRecords(const RadianceCache& cache, const Tile& tile);
+
+  /// Calls body(record, coverage) for the records whose region, widened `support` times, holds a
+  /// point of the packet.
+  template <typename Body>
+  void for_each(const SurfacePoint16& p, float support, const Body& body) const {
+    for (const std::uint32_t index : candidates_) {
+      const PackedRecord& record = cache_.packed()[index];
+      if (!may_reach(record, p, support)) continue;
+      const Coverage16 c = coverage(record, p.position, p.normal, select(p.scatters, p.region, splat(-1)), support);
+      if (any(c.weight > 0.0f)) body(record, c);
+    }
+  }
+
+ private:
+  [[nodiscard]] static bool may_reach(const PackedRecord& record, const SurfacePoint16& p, float support);
+
+  const RadianceCache& cache_;
+  std::vector<std::uint32_t> candidates_;
+};
+
+}  // namespace vrc

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+
+#include "core/frame.h"
+#include "core/jet2.h"
+#include "core/types.h"
+
+namespace vrc {
+
+/// Where a record may be used: an ellipsoid around it, the axes along the surface from the Hessian.
+struct ValidRegion {
+  Vec3 center;
+  Vec3 normal;
+  Vec3 axis1, axis2;        ///< Unit, tangent: eigenvectors of the luminance Hessian.
+  double radius1 = 0.0, radius2 = 0.0;
+  double normal_radius = 0.0;
+  double cos_max_deviation = 0.0;  ///< Cosine of theta_max.
+};
+
+/// Translation weight k_t of [Zhao eq. 15]; 1 on the ellipsoid.
+[[nodiscard]] inline double translation_distance(const ValidRegion& region, const Vec3& x) {
+  const Vec3 d = x - region.center;
+  const double a = d.dot(region.axis1) / region.radius1;
+  const double b = d.dot(region.axis2) / region.radius2;
+  const double c = d.dot(region.normal) / region.normal_radius;
+  return std::sqrt(a * a + b * b + c * c);
+}
+
+/// The weight of a record at x with normal n [Zhao eq. 14], the ellipsoid widened `support` times;
+/// 0 outside it and where the normals differ by more than theta_max.
+[[nodiscard]] inline double weight(const ValidRegion& region, const Vec3& x, const Vec3& n, double support = 1.0) {
+  const double kr = region.normal.dot(n);
+  if (kr < region.cos_max_deviation) return 0.0;
+  const double kt = translation_distance(region, x) / support;
+  return std::max(0.0, 1.0 - kt * kr) * std::pow(std::max(0.0, kr), 16.0);
+}
+
+/// What bounds the radii of eq. 4.
+struct RadiusLimits {
+  double minimum = 0.0;  ///< One pixel. [length]
+  double maximum = 0.0;  ///< A tenth of the picture, and no farther than the nearest hit. [length]
+};
+
+/// Half axes and directions of eq. 4 for a Hessian in tangent coordinates.
+struct RegionAxes {
+  Vec2 axis1, axis2;
+  double radius1, radius2;
+};
+
+/// [Zhao eq. 4] with `reference` in the place of L: R_j = (4 epsilon reference / (pi |u_j|))^(1/4),
+/// then limited. `epsilon` has units of length^2.
+[[nodiscard]] RegionAxes hessian_radii(const Mat2& hessian, double reference, double epsilon,
+                                       const RadiusLimits& limits);
+
+}  // namespace vrc

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "placement/joint_fit.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "placement/radiance_cache.h"
+
+namespace vrc {
+namespace {
+
+// Neighbours farther than this multiple of the radii are left out.
+constexpr double kReach = 2.0;
+// Relative error of a second-order Taylor polynomial at k_t = 1, growing with k_t^3.
+constexpr double kModelError = 0.05;
+// Relative floor of a value's standard deviation: no estimate is exact.
+constexpr double kValueFloor = 1e-3;
+
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+
+/// Coefficients of (value, g1, g2, h11, h12, h22) in the Taylor polynomial at d.
+Vec6 taylor_basis(const Vec2& d) {
+  Vec6 basis;
+  basis << 1.0, d[0], d[1], 0.5 * d[0] * d[0], d[0] * d[1], 0.5 * d[1] * d[1];
+  return basis;
+}
+
+Vec6 to_vector(const Jet2& j) {
+  Vec6 v;
+  v << j.value, j.gradient[0], j.gradient[1], j.hessian(0, 0), j.hessian(0, 1), j.hessian(1, 1);
+  return v;
+}
+
+Jet2 to_jet(const Vec6& v) {
+  Jet2 j;
+  j.value = v[0];
+  j.gradient = {v[1], v[2]};
+  j.hessian << v[3], v[4], v[4], v[5];
+  return j;
+}
+
+std::array<Jet2, 3> fit(const RadianceCache& cache, std::size_t index, double mean_luminance) {
+  const std::span<const RadianceRecord> records = cache.records();
+  const RadianceRecord& record = records[index];
+  const double scale = perceived(record.estimate.luminance.value, mean_luminance);
+  const double length = std::sqrt(record.region.radius1 * record.region.radius2);
+
+  // Lengths in units of the region's mean radius, so that the normal equations are well scaled.
+  Vec6 unit;
+  unit << 1.0, length, length, length * length, length * length, length * length;
+  const double floor = kValueFloor * scale;
+  Vec6 precision = to_vector(record.estimate.variance).cwiseProduct(unit.cwiseAbs2());
+  precision = (precision.array() + floor * floor).inverse().matrix();
+
+  Mat6 normal = precision.asDiagonal();
+  std::array<Vec6, 3> right;
+  for (std::size_t c = 0; c < 3; ++c) {
+    right[c] = precision.cwiseProduct(to_vector(record.estimate.radiance[c]).cwiseProduct(unit));
+  }
+  const Vec3 half = Vec3::Constant(kReach * std::max(record.region.radius1, record.region.radius2));
+  std::vector<std::uint32_t> near;
+  cache.find(Box3(record.region.center - half, record.region.center + half), near);
+  for (const std::uint32_t i : near) {
+    const RadianceRecord& other = records[i];
+    if (i == index || other.site.point.region != record.site.point.region) continue;
+    if (record.region.normal.dot(other.region.normal) < record.region.cos_max_deviation) continue;
+    const double kt = translation_distance(record.region, other.region.center);
+    if (kt >= kReach) continue;
+    const Vec3 d = other.region.center - record.region.center;
+    const Vec6 basis = taylor_basis(Vec2(d.dot(record.site.frame.tangent), d.dot(record.site.frame.bitangent)) / length);
+    const double model = kModelError * scale * kt * kt * kt;
+    const double weight = 1.0 / (other.estimate.variance.value + floor * floor + model * model);
+    normal += weight * basis * basis.transpose();
+    for (std::size_t c = 0; c < 3; ++c) right[c] += weight * other.estimate.radiance[c].value * basis;
+  }
+  const Eigen::LDLT<Mat6> solver(normal);
+  std::array<Jet2, 3> result;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Vec6 solution = solver.solve(right[c]).cwiseQuotient(unit);
+    result[c] = solution.allFinite() ? to_jet(solution) : record.estimate.radiance[c];
+  }
+  return result;
+}
+
+}  // namespace
+
+void fit_jointly(std::vector<RadianceRecord>& records, const RegionRule& rule) {
+  const RadianceCache cache(records, 1.0);
+  parallel_for(records.size(), [&](std::size_t i) {
+    set_radiance(records[i], fit(cache, i, rule.mean_luminance), rule.mean_luminance);
+  });
+}
+
+}  // namespace vrc

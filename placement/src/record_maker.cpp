@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "placement/record_maker.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vrc {
+namespace {
+
+constexpr double kDarkShare = 0.2;          // of the mean luminance, in `perceived`
+constexpr double kMaximumPictureShare = 0.1;  // [Zhao 5]
+
+/// The same surface half a pixel farther from the nearest hit; nothing when the surface ends there.
+std::optional<SurfacePoint> moved_out_of_crease(const Scene& scene, const RecordSite& site, const Vec3& nearest) {
+  const Vec3 tangential = nearest - nearest.dot(site.point.normal) * site.point.normal;
+  if (tangential.norm() < 1e-6) return std::nullopt;
+  const double step = 0.5 * site.pixel_length;
+  const double height = site.pixel_length;
+  const Vec3 from = site.point.position - step * tangential.normalized() + height * site.point.geometric_normal;
+  I16 first{};
+  first[0] = -1;
+  const Ray16 ray = {splat3(from), splat3(Vec3(-site.point.geometric_normal)), splat(static_cast<float>(2.0 * height))};
+  const Hit16 hit = scene.tracer().intersect(first, ray, RayTracer::Coherence::kIncoherent);
+  if (hit.hit[0] == 0) return std::nullopt;
+  const auto triangle = static_cast<std::uint32_t>(hit.triangle[0]);
+  if (scene.triangles()[triangle].region != site.point.region) return std::nullopt;
+  return scene.surface_point(triangle, hit.u[0], hit.v[0], scene.camera().origin);
+}
+
+/// Scales derivatives so that over the half axes neither order changes the value by more than `limit`.
+double limit_jet(Jet2& jet, const Vec2& half1, const Vec2& half2, double limit) {
+  double factor = 1.0;
+  const double change = std::hypot(jet.gradient.dot(half1), jet.gradient.dot(half2));
+  if (change > limit) {
+    factor = limit / change;
+    jet.gradient *= factor;
+  }
+  Mat2 h;
+  h << half1.dot(jet.hessian * half1), half1.dot(jet.hessian * half2), half2.dot(jet.hessian * half1),
+      half2.dot(jet.hessian * half2);
+  const double bend = 0.5 * h.norm();
+  if (bend > limit) {
+    jet.hessian *= limit / bend;
+    factor = std::min(factor, limit / bend);
+  }
+  return factor;
+}
+
+}  // namespace
+
+double perceived(double value, double mean_luminance) {
+  return std::sqrt(value * value + kDarkShare * kDarkShare * mean_luminance * mean_luminance);
+}
+
+void shape_record(RadianceRecord& record, const RegionRule& rule) {
+  const RecordSite& site = record.site;
+  const double picture = site.pixel_length * rule.picture_width;
+
+  const RadiusLimits limits = {site.pixel_length,
+                               std::min(kMaximumPictureShare * picture, record.estimate.nearest_hit)};
+  const Jet2& brightness = record.estimate.luminance;
+  const double reference = perceived(brightness.value, rule.mean_luminance);
+  RegionAxes axes = hessian_radii(brightness.hessian, reference, rule.epsilon * picture * picture, limits);
+  if (rule.options->metric == PlacementMetric::kUniform) {
+    axes.radius1 = axes.radius2 = std::max(rule.uniform_radius * picture, limits.minimum);
+  }
+  ValidRegion& region = record.region;
+  region.center = site.point.position;
+  region.normal = site.point.normal;
+  region.axis1 = axes.axis1[0] * site.frame.tangent + axes.axis1[1] * site.frame.bitangent;
+  region.axis2 = axes.axis2[0] * site.frame.tangent + axes.axis2[1] * site.frame.bitangent;
+  region.radius1 = axes.radius1;
+  region.radius2 = axes.radius2;
+  region.normal_radius = std::min(axes.radius1, axes.radius2);
+  region.cos_max_deviation = std::cos(rule.options->max_normal_deviation);
+  set_radiance(record, record.estimate.radiance, rule.mean_luminance);
+}
+
+void set_radiance(RadianceRecord& record, const std::array<Jet2, 3>& jets, double mean_luminance) {
+  const ValidRegion& region = record.region;
+  const Frame& frame = record.site.frame;
+  const Vec2 half1 = region.radius1 * Vec2(region.axis1.dot(frame.tangent), region.axis1.dot(frame.bitangent));
+  const Vec2 half2 = region.radius2 * Vec2(region.axis2.dot(frame.tangent), region.axis2.dot(frame.bitangent));
+  record.radiance = jets;
+  record.clamp_factor = 1.0;
+  for (Jet2& jet : record.radiance) {
+    const double factor = limit_jet(jet, half1, half2, perceived(jet.value, mean_luminance));
+    record.clamp_factor = std::min(record.clamp_factor, factor);
+  }
+}
+
+RadianceRecord make_record(const Scene& scene, const RecordSite& site, const GatherOptions& gather, RayCounts& counts) {
+  RadianceRecord record;
+  record.site = site;
+  record.estimate = gather_radiance(scene, site, gather, counts);
+  if (record.estimate.nearest_hit < 0.5 * site.pixel_length) {
+    if (const auto moved = moved_out_of_crease(scene, site, record.estimate.nearest_direction)) {
+      record.site = make_site(scene, *moved, site.key);
+      record.estimate = gather_radiance(scene, record.site, gather, counts);
+    }
+  }
+  return record;
+}
+
+}  // namespace vrc

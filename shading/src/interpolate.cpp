@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "shading/interpolate.h"
+
+#include "placement/place_records.h"
+
+namespace vrc {
+namespace {
+
+struct WeightedSum {
+  V3x16 radiance{};
+  F16 weight{};
+};
+
+WeightedSum blend_records(const TileRecords& records, const SurfacePoint16& p, int order, double support) {
+  WeightedSum sum;
+  records.for_each(p, static_cast<float>(support), [&](const PackedRecord& record, const Coverage16& c) {
+    const V3x16 value = extrapolate(record, c, order);
+    sum.radiance += select(c.weight > 0.0f, value * c.weight, V3x16{});
+    sum.weight += c.weight;
+  });
+  return sum;
+}
+
+}  // namespace
+
+V3x16 interpolate(const TileRecords& records, const SurfacePoint16& p, int taylor_order) {
+  if (!any(p.scatters)) return V3x16{};
+  const WeightedSum near = blend_records(records, p, taylor_order, kBlendSupport);
+  V3x16 result = near.radiance * (1.0f / max(near.weight, 1e-20f));
+  const I16 missed = p.scatters & ~(near.weight > 0.0f);
+  if (any(missed)) {
+    const WeightedSum wide = blend_records(records, p, taylor_order, kWideSupport);
+    result = select(missed, wide.radiance * (1.0f / max(wide.weight, 1e-20f)), result);
+  }
+  return result;
+}
+
+}  // namespace vrc

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "app/version.h"
+#include "io/image_io.h"
+#include "run_program.h"
+#include "support.h"
+
+namespace vrc {
+namespace {
+
+namespace fs = std::filesystem;
+using test::run_vrc;
+using testing::HasSubstr;
+
+/// A folder with the scene of the tests, and its quick renderings.
+class RenderCommand : public testing::Test {
+ protected:
+  [[nodiscard]] std::string at(const std::string& name) const { return (folder_ / name).string(); }
+  [[nodiscard]] std::vector<std::string> render(std::initializer_list<std::string> extra) const {
+    std::vector<std::string> arguments{"render",  scene_, "--spp",         "2",
+                                       "--error", "0.3",  "--gather-rays", "256"};
+    arguments.insert(arguments.end(), extra);
+    return arguments;
+  }
+
+  test::TempDir folder_;
+  std::string scene_ = test::write_test_scene(folder_.path()).string();
+};
+
+bool all_finite(const Image& image) {
+  return std::all_of(image.pixels.begin(), image.pixels.end(), [](float v) { return std::isfinite(v); });
+}
+
+TEST_F(RenderCommand, WritesEveryOutputItWasAskedFor) {
+  const auto result =
+      run_vrc(render({"-o", at("a.exr"), "-o", at("a.png"), "--stats", at("a.json"), "--record-map",
+                      at("a.ply"), "--record-ellipses", at("e.ply"), "--aovs", "--quiet"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.err, "");
+  EXPECT_THAT(result.out,
+              testing::AllOf(HasSubstr(" s, "), HasSubstr("CPU s"), HasSubstr("records"), HasSubstr("rays")));
+
+  const Image image = read_image(at("a.exr"));
+  EXPECT_EQ(image.width, 32);
+  EXPECT_EQ(image.height, 24);
+  EXPECT_TRUE(all_finite(image));
+  EXPECT_GT(*std::max_element(image.pixels.begin(), image.pixels.end()), 0.05f);
+  EXPECT_THAT(image.channels,
+              testing::IsSupersetOf({"R", "G", "B", "direct.R", "indirect.G", "albedo.B", "N.X", "depth.Z"}));
+  EXPECT_EQ(read_image(at("a.png")).width, 32);
+
+  const auto json = nlohmann::json::parse(test::read_file(at("a.json")));
+  EXPECT_EQ(json.at("version"), kVersion);
+  EXPECT_EQ(json.at("scene"), scene_);
+  EXPECT_THAT(json.at("command_line").get<std::string>(), HasSubstr("--aovs"));
+  EXPECT_EQ(json.at("width"), 32);
+  EXPECT_EQ(json.at("spp"), 2);
+  EXPECT_EQ(json.at("bounces"), 1);
+  EXPECT_EQ(json.at("unfinished"), false);
+  EXPECT_FALSE(json.contains("relmse"));
+  EXPECT_GT(json.at("records"), 0);
+  EXPECT_GT(json.at("gather_rays"), 0);
+  EXPECT_GT(json.at("peak_memory_bytes"), 1 << 20);
+  double phases = 0.0;
+  for (const auto& phase : json.at("phases")) phases += phase.at("seconds").get<double>();
+  EXPECT_GT(phases, 0.0);
+  EXPECT_LE(phases, json.at("seconds").get<double>());
+
+  const std::string vertices = fmt::format("element vertex {}\n", json.at("records").get<int>());
+  EXPECT_THAT(test::read_file(at("a.ply")), HasSubstr(vertices));
+  EXPECT_THAT(test::read_file(at("e.ply")), HasSubstr("element face"));
+}
+
+TEST_F(RenderCommand, GivesTheSameFileAtAnyNumberOfThreads) {
+  ASSERT_EQ(run_vrc(render({"-o", at("a.exr"), "--threads", "1"})).exit_code, 0);
+  ASSERT_EQ(run_vrc(render({"-o", at("b.exr"), "--threads", "2"})).exit_code, 0);
+  EXPECT_EQ(test::read_file(at("a.exr")), test::read_file(at("b.exr")));
+}
+
+TEST_F(RenderCommand, ComparesWithAReferenceInsideTheCrop) {
+  ASSERT_EQ(run_vrc(render({"-o", at("ref.exr"), "--method", "direct"})).exit_code, 0);
+  const auto same = run_vrc(render({"-o", at("a.exr"), "--method", "direct", "--crop", "4,6,20,12",
+                                    "--reference", at("ref.exr"), "--stats", at("a.json")}));
+  ASSERT_EQ(same.exit_code, 0) << same.err;
+  EXPECT_THAT(same.out, HasSubstr("relMSE 0.000e+00"));
+  EXPECT_EQ(nlohmann::json::parse(test::read_file(at("a.json"))).at("relmse"), 0.0);
+  const Image image = read_image(at("a.exr"));
+  EXPECT_EQ(image.width, 32);
+  EXPECT_EQ(image.pixel(0, 0)[0], 0.0f);
+  const auto other = run_vrc(render({"-o", at("b.exr"), "--size", "16x16", "--reference", at("ref.exr")}));
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.err, HasSubstr("is 32x24 pixels and the film 16x16"));
+}
+
+TEST_F(RenderCommand, PassesDefinesToTheScene) {
+  ASSERT_EQ(run_vrc(render({"-o", at("a.exr"), "--method", "direct"})).exit_code, 0);
+  ASSERT_EQ(run_vrc(render({"-o", at("b.exr"), "--method", "direct", "-D", "floor=0.1"})).exit_code, 0);
+  const Image bright = read_image(at("a.exr")), dark = read_image(at("b.exr"));
+  EXPECT_GT(bright.pixel(16, 23)[0], 3.0f * dark.pixel(16, 23)[0]);
+}
+
+TEST_F(RenderCommand, RendersABareMesh) {
+  test::write_file(folder_ / "m.obj",
+                   "v -1 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n");
+  const auto result =
+      run_vrc({"render", at("m.obj"), "-o", at("m.exr"), "--size", "16x16", "--spp", "1", "--method",
+               "direct", "--camera-origin", "0,1,4", "--camera-target", "0,0.3,0", "--fov", "40"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("note: "));
+  EXPECT_TRUE(all_finite(read_image(at("m.exr"))));
+}
+
+TEST_F(RenderCommand, ReportsSparselyIntoAPipe) {
+  const auto result = run_vrc(render({"-o", at("a.exr")}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_LT(std::count(result.err.begin(), result.err.end(), '\n'), 20);
+  EXPECT_THAT(result.err, testing::Not(HasSubstr("\r")));
+}
+
+class Interruption : public RenderCommand, public testing::WithParamInterface<int> {};
+
+TEST_P(Interruption, WritesWhatThereIsAndSaysSo) {
+  test::Program program({"render", scene_, "--method", "path", "--spp", "1000000", "--bounces", "8", "-o",
+                         at("a.exr"), "-o", at("a.png"), "--stats", at("a.json")});
+  ASSERT_TRUE(program.wait_for_error_text("\n"));  // the first phase has begun
+  program.send(GetParam());
+  const auto result = program.finish();
+  EXPECT_EQ(result.exit_code, 130);
+  EXPECT_THAT(result.err, HasSubstr("interrupted"));
+  EXPECT_TRUE(all_finite(read_image(at("a.exr"))));
+  const std::string exr = test::read_file(at("a.exr"));
+  EXPECT_THAT(exr, HasSubstr("vrc:unfinished"));
+  EXPECT_EQ(nlohmann::json::parse(test::read_file(at("a.json"))).at("unfinished"), true);
+  EXPECT_TRUE(fs::exists(at("a.png")));
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, Interruption, testing::Values(SIGINT, SIGTERM));
+
+}  // namespace
+}  // namespace vrc

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "transport/scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/frame.h"
+#include "geometry/surface_mesh.h"
+
+namespace vrc {
+namespace {
+
+constexpr float kMinimumCosine = 1e-3f;
+/// Interpolated normals closer than this to the geometric one are not worth interpolating.
+constexpr double kFlatCosine = 1.0 - 1e-9;
+
+constexpr int kWordsPerTriangle = sizeof(SceneTriangle) / sizeof(float);
+static_assert(sizeof(SceneTriangle) == 64);
+
+/// Reads words of the triangle records, sixteen triangles at once.
+struct TriangleReader {
+  const float* words;
+  I16 base;
+
+  TriangleReader(std::span<const SceneTriangle> triangles, I16 triangle)
+      : words(triangles.front().p0), base(triangle * kWordsPerTriangle) {}
+  [[nodiscard]] F16 word(int offset) const { return gather(words, base + offset); }
+  [[nodiscard]] V3x16 vector(int offset) const { return {word(offset), word(offset + 1), word(offset + 2)}; }
+  [[nodiscard]] I16 integer(int offset) const { return bits(word(offset)); }
+};
+
+constexpr int kP0 = 0, kE1 = 3, kE2 = 6, kNormal = 9, kMaterial = 12, kLight = 13, kRegion = 14, kSmooth = 15;
+
+template <typename Array>
+void store(Array& to, const Vec3& v) {
+  for (int i = 0; i < 3; ++i) to[i] = static_cast<float>(v[i]);
+}
+
+/// A shading normal turned just enough to be seen from `w`.
+Vec3 visible_normal(const Vec3& n, const Vec3& w) {
+  const double cosine = n.dot(w);
+  if (cosine >= kMinimumCosine) return n;
+  return (n + (kMinimumCosine - cosine) * w).normalized();
+}
+
+}  // namespace
+
+Scene::Scene(const SceneDescription& description) : camera_(description.camera), film_(description.film) {
+  for (const Material& material : description.materials) bsdfs_.emplace_back(material);
+
+  std::vector<EmissiveTriangle> emissive;
+  std::vector<float> vertices;
+  Box3 bounds;
+  for (const ShapeDescription& shape : description.shapes) {
+    add_shape(shape, emissive, vertices);
+    bounds.extend(shape.soup.bounds());
+  }
+  if (triangles_.empty()) throw InputError(description.source, 0, "the scene has no surfaces; add a shape");
+  radius_ = 0.5 * bounds.diagonal().norm();
+  if (!(radius_ > 0.0)) throw InputError(description.source, 0, "all surfaces lie in one point; check the scale");
+
+  std::vector<std::uint32_t> indices(3 * triangles_.size());
+  for (std::size_t i = 0; i < indices.size(); ++i) indices[i] = static_cast<std::uint32_t>(i);
+  lights_ = Lights(std::move(emissive), description.delta_lights, description.environment, radius_);
+  tracer_ = std::make_unique<RayTracer>(vertices, indices);
+}
+
+void Scene::add_shape(const ShapeDescription& shape, std::vector<EmissiveTriangle>& lights,
+                      std::vector<float>& vertices) {
+  SurfaceMeshOptions options;
+  options.face_normals = shape.face_normals;
+  const SurfaceMesh mesh(shape.soup, options);
+  for (std::size_t face = 0; face < mesh.face_count(); ++face) {
+    const auto [p0, p1, p2] = mesh.positions(face);
+    const Vec3 normal = mesh.face_normal(face);
+    SceneTriangle t;
+    store(t.p0, p0);
+    store(t.e1, p1 - p0);
+    store(t.e2, p2 - p0);
+    store(t.normal, normal);
+    const std::size_t slot = mesh.material(face);
+    VRC_CHECK(slot < shape.materials.size(), "shape {} uses material slot {}", shape.id, slot);
+    t.material = static_cast<std::int32_t>(shape.materials[slot]);
+    t.region = region_count_ + static_cast<std::int32_t>(mesh.region(face));
+    t.light = -1;
+    const Rgb emission = slot < shape.emission.size() ? shape.emission[slot] : Rgb::Zero().eval();
+    if (emission.maxCoeff() > 0.0f) {
+      t.light = static_cast<std::int32_t>(lights.size());
+      lights.push_back({p0.cast<float>(), (p1 - p0).cast<float>(), (p2 - p0).cast<float>(), normal.cast<float>(),
+                        static_cast<float>(mesh.face_area(face)), emission,
+                        static_cast<std::uint32_t>(triangles_.size())});
+    }
+    t.smooth = 0;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& n = mesh.corner_normal(face, k);
+      if (n.dot(normal) < kFlatCosine) t.smooth = 1;
+      for (int i = 0; i < 3; ++i) corner_normals_.push_back(static_cast<float>(n[i]));
+    }
+    for (const Vec3& p : {p0, p1, p2}) {
+      corners_.push_back(p);
+      for (int i = 0; i < 3; ++i) vertices.push_back(static_cast<float>(p[i]));
+    }
+    triangles_.push_back(t);
+  }
+  region_count_ += static_cast<std::int32_t>(mesh.region_count());
+}
+
+SurfacePoint16 Scene::intersect(I16 active, const Ray16& ray, RayTracer::Coherence coherence) const {
+  const Hit16 hit = tracer_->intersect(active, ray, coherence);
+  SurfacePoint16 p;
+  p.hit = hit.hit;
+  p.triangle = hit.triangle;
+  p.t = hit.t;
+  p.u = select(hit.hit, hit.u, F16{});
+  p.v = select(hit.hit, hit.v, F16{});
+  const TriangleReader reader(triangles_, p.triangle);
+  // The hit point comes from barycentrics: t is inaccurate on skinny triangles.
+  p.position = reader.vector(kP0) + reader.vector(kE1) * p.u + reader.vector(kE2) * p.v;
+  const V3x16 outside = reader.vector(kNormal);
+  const I16 back = dot(outside, ray.direction) > 0.0f;
+  p.geometric_normal = select(back, -outside, outside);
+  p.normal = p.geometric_normal;
+  const I16 smooth = hit.hit & (reader.integer(kSmooth) != 0);
+  if (any(smooth)) {
+    const I16 base = p.triangle * 9;
+    const auto corner = [&](int k) {
+      const float* n = corner_normals_.data();
+      return V3x16{gather(n, base + 3 * k), gather(n, base + (3 * k + 1)), gather(n, base + (3 * k + 2))};
+    };
+    V3x16 n = normalize(corner(0) * (1.0f - p.u - p.v) + corner(1) * p.u + corner(2) * p.v);
+    n = select(back, -n, n);
+    const V3x16 wo = -normalize(ray.direction);
+    const F16 cosine = dot(n, wo);
+    n = select(cosine < kMinimumCosine, normalize(n + wo * (kMinimumCosine - cosine)), n);
+    p.normal = select(smooth, n, p.normal);
+  }
+  p.material = reader.integer(kMaterial);
+  p.light = select(hit.hit, reader.integer(kLight), splat(-1));
+  p.region = reader.integer(kRegion);
+
+  I16 reflects{};
+  for_each_distinct(hit.hit, p.material, [&](I16 mask, std::size_t id) {
+    if (!bsdfs_[id].lobes.empty()) reflects |= bsdfs_[id].two_sided ? mask : (mask & ~back);
+  });
+  p.scatters = reflects;
+  return p;
+}
+
+SurfacePoint Scene::surface_point(std::uint32_t triangle, float u, float v, const Vec3& viewer) const {
+  const SceneTriangle& t = triangles_[triangle];
+  const Vec3* c = corners_.data() + 3 * static_cast<std::size_t>(triangle);
+  const double b1 = u, b2 = v, b0 = 1.0 - b1 - b2;
+  SurfacePoint p;
+  p.triangle = triangle;
+  p.u = u;
+  p.v = v;
+  p.material = t.material;
+  p.region = t.region;
+  p.position = b0 * c[0] + b1 * c[1] + b2 * c[2];
+  const Vec3 to_viewer = (viewer - p.position).normalized();
+  const Vec3 outside = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+  const double side = outside.dot(to_viewer) < 0.0 ? -1.0 : 1.0;
+  p.geometric_normal = side * outside;
+  p.normal = p.geometric_normal;
+  if (t.smooth != 0) {
+    const auto corner = [&](int k) {
+      const float* n = corner_normals_.data() + 9 * static_cast<std::size_t>(triangle) + 3 * k;
+      return Vec3(n[0], n[1], n[2]);
+    };
+    const Vec3 n = (b0 * corner(0) + b1 * corner(1) + b2 * corner(2)).normalized();
+    p.normal = visible_normal(side * n, to_viewer);
+  }
+  return p;
+}
+
+}  // namespace vrc
