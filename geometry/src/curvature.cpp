@@ -113,6 +113,9 @@ std::vector<Tensor> smoothed(const SurfaceMesh& mesh, const std::vector<Tensor>&
 std::vector<Tensor> face_tensor_estimate(const SurfaceMesh& mesh, int smoothing_passes) {
   std::vector<Tensor> tensors = gather_at_sectors(
       mesh, [&mesh](std::size_t f, const Vec3& normal) { return face_tensor(mesh, f, normal); });
+  bool all_exact = true;
+  for (std::size_t s = 0; s < tensors.size(); ++s) all_exact = all_exact && mesh.normal_is_supplied(s);
+  if (all_exact) return tensors;
   for (int pass = 0; pass < smoothing_passes; ++pass) tensors = smoothed(mesh, tensors);
   return tensors;
 }

@@ -4,10 +4,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstring>
+#include <exception>
 #include <fstream>
-#include <new>
-#include <stdexcept>
 
 #include "core/error.h"
 

@@ -103,7 +103,7 @@ class Gatherer {
 
     // G without the cosine at x: s / |r|^4, s = -n_y . r with the geometric normal at the hit.
     const V3x16 ny = to_frame(hit.geometric_normal);
-    const F16 s = max(-dot(hit.geometric_normal, r), 1e-20f);
+    const F16 s = max(-dot(hit.geometric_normal, r), 1e-6f * sqrt(moving.rr));
     const UnitJet16 geometry = jet_of_linear(moving, s, -ny.x, -ny.y, -ny.z) * pow(moving.jet_rr, -2.0f);
     const F16 inverse_density = select(lit, 1.0f / density, F16{});
     for (const Lobe& lobe : bsdf_.lobes) {

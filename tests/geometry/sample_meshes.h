@@ -9,6 +9,7 @@
 
 #include "geometry/polygon_soup.h"
 #include "geometry/shapes.h"
+#include "support.h"
 
 namespace vrc::test {
 
@@ -40,8 +41,8 @@ inline PolygonSoup without_normals(PolygonSoup soup) {
 }
 
 /// A grid of quads over (u, v) in [0, 1]^2, wrapped round in u and v where asked for; normals of
-/// `normal` where it is given. Counter-clockwise in (u, v). `shear` bends the grid lines, so that
-/// neighbouring triangles differ in shape.
+/// `normal` where it is given. Counter-clockwise in (u, v). `jitter` moves each grid point at random by
+/// up to half that fraction of a cell, so that the triangles are irregular.
 struct ParametricGrid {
   std::function<Vec3(double, double)> position;
   std::function<Vec3(double, double)> normal;
@@ -49,20 +50,19 @@ struct ParametricGrid {
   int nv = 32;
   bool wrap_u = false;
   bool wrap_v = false;
-  double shear = 0.0;
+  double jitter = 0.0;
 };
 
 inline PolygonSoup make_grid(const ParametricGrid& grid) {
   PolygonSoup soup;
   soup.source = "grid";
+  SeededBits random(1);
   const int columns = grid.wrap_u ? grid.nu : grid.nu + 1;
   const int rows = grid.wrap_v ? grid.nv : grid.nv + 1;
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {
-      const double su = static_cast<double>(i) / grid.nu;
-      const double sv = static_cast<double>(j) / grid.nv;
-      const double u = su + grid.shear / grid.nu * std::sin(2.0 * kPi * (3.0 * su + 2.0 * sv));
-      const double v = sv + grid.shear / grid.nv * std::sin(2.0 * kPi * (2.0 * su - 3.0 * sv));
+      const double u = (i + grid.jitter * (random.uniform() - 0.5)) / grid.nu;
+      const double v = (j + grid.jitter * (random.uniform() - 0.5)) / grid.nv;
       soup.positions.push_back(grid.position(u, v));
       if (grid.normal) soup.normals.push_back(grid.normal(u, v));
     }
@@ -86,7 +86,7 @@ inline Vec3 torus_normal(double u, double v) {
 }
 
 /// Normals out; u turns round the axis z, v round the tube.
-inline PolygonSoup make_torus(double ring, double tube, int nu, int nv, double shear = 0.0,
+inline PolygonSoup make_torus(double ring, double tube, int nu, int nv, double jitter = 0.0,
                               bool exact_normals = false) {
   ParametricGrid grid;
   grid.position = [=](double u, double v) {
@@ -97,13 +97,13 @@ inline PolygonSoup make_torus(double ring, double tube, int nu, int nv, double s
   grid.nu = nu;
   grid.nv = nv;
   grid.wrap_u = grid.wrap_v = true;
-  grid.shear = shear;
+  grid.jitter = jitter;
   return make_grid(grid);
 }
 
 /// z = height(x, y) over [-1, 1]^2, normals towards +z.
 inline PolygonSoup make_height_field(const std::function<double(double, double)>& height, int n,
-                                     double shear = 0.0) {
+                                     double jitter = 0.0) {
   ParametricGrid grid;
   grid.position = [&height](double u, double v) {
     const double x = 2.0 * u - 1.0;
@@ -111,7 +111,7 @@ inline PolygonSoup make_height_field(const std::function<double(double, double)>
     return Vec3(x, y, height(x, y));
   };
   grid.nu = grid.nv = n;
-  grid.shear = shear;
+  grid.jitter = jitter;
   return make_grid(grid);
 }
 

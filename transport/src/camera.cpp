@@ -24,10 +24,10 @@ Camera look_at(const Vec3& origin, const Vec3& target, const Vec3& up, double fo
     throw InputError(
         fmt::format("camera at ({:g}, {:g}, {:g}): {}", origin.x(), origin.y(), origin.z(), problem));
   };
-  if (!origin.allFinite() || !target.allFinite() || !up.allFinite()) fail("a coordinate is not finite");
   if (!(fov_degrees > 0.0 && fov_degrees < 180.0)) {
     fail(fmt::format("a field of view of {:g} degrees; give one between 0 and 180", fov_degrees));
   }
+  if (!origin.allFinite() || !target.allFinite() || !up.allFinite()) fail("a coordinate is not finite");
   const Vec3 view = target - origin;
   if (!(view.norm() > 0.0)) fail("origin and target coincide; move one of them");
   Camera camera;

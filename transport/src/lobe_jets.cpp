@@ -12,6 +12,10 @@
 namespace vrc {
 namespace {
 
+// Lobes are 0 at negative cosines, but their derivatives divide by the cosine: it is kept away from 0
+// where the value is negligible, so that 0 times the derivative stays 0.
+constexpr float kSmallestCosine = 1e-3f;
+
 // Scalar jets with their values, for the sums inside the GGX distribution.
 struct ValueJet {
   F16 value;
@@ -77,7 +81,7 @@ UnitJet16 shape_jet(const LambertLobe&, const MovingPoint16& p) { return p.jet_n
 
 UnitJet16 shape_jet(const PhongLobe& lobe, const MovingPoint16& p) {
   // q = 2 (n.r)(n.v) - r.v, so q / (|r| |v|) is the cosine of the lobe.
-  const F16 q = max(2.0f * p.nr * p.nv - p.rv, 1e-20f);
+  const F16 q = max(2.0f * p.nr * p.nv - p.rv, kSmallestCosine * sqrt(p.rr * p.vv));
   const F16 sr1 = p.s11 * p.r1 + p.s12 * p.r2, sr2 = p.s12 * p.r1 + p.s22 * p.r2;
   const F16 sv1 = p.s11 * p.v1 + p.s12 * p.v2, sv2 = p.s12 * p.v1 + p.s22 * p.v2;
   const F16 g1 = 2.0f * (p.nv * sr1 + p.nr * sv1) + p.r1 + p.v1;
@@ -103,7 +107,7 @@ UnitJet16 shape_jet(const GgxLobe& lobe, const MovingPoint16& p) {
   // 1 + i.o written with |r||v| + r.v, so that the unit jet never divides by r.v = 0.
   const F16 length_product = 1.0f / (inverse_r * inverse_v);
   const UnitJet16 jet_lengths = pow(p.jet_rr * p.jet_vv, 0.5f);
-  const F16 one_plus = max(length_product + p.rv, 1e-20f);
+  const F16 one_plus = max(length_product + p.rv, 1e-6f * length_product);
   const F16 inverse = 1.0f / one_plus;
   const F16 hv = p.nr + p.nv;
   const UnitJet16 sum = {(length_product * jet_lengths.g1 - p.r1 - p.v1) * inverse,
@@ -123,7 +127,7 @@ UnitJet16 reflector_jet(const LambertLobe&, const FixedReflector16&, const Movin
 
 UnitJet16 reflector_jet(const PhongLobe& lobe, const FixedReflector16& y, const MovingPoint16& p) {
   const V3x16 mirrored = y.n * (2.0f * y.light_cos) - y.light;
-  const F16 q = max(-(2.0f * y.light_cos * y.nr - y.light_r), 1e-20f);  // -mirrored . r
+  const F16 q = max(y.light_r - 2.0f * y.light_cos * y.nr, kSmallestCosine * sqrt(p.rr));  // -mirrored . r
   const UnitJet16 cosine = jet_of_linear(p, q, -mirrored.x, -mirrored.y, -mirrored.z);
   return pow(cosine, lobe.exponent) * pow(p.jet_rr, -0.5f * lobe.exponent);
 }
@@ -131,11 +135,11 @@ UnitJet16 reflector_jet(const PhongLobe& lobe, const FixedReflector16& y, const 
 UnitJet16 reflector_jet(const GgxLobe& lobe, const FixedReflector16& y, const MovingPoint16& p) {
   const F16 inverse_r = 1.0f / sqrt(p.rr);
   const UnitJet16 jet_inverse_r = pow(p.jet_rr, -0.5f);
-  const F16 facing = max(-y.nr, 1e-20f);
+  const F16 facing = max(-y.nr, kSmallestCosine * sqrt(p.rr));
   const ValueJet outgoing = {facing * inverse_r, jet_of_linear(p, facing, -y.n.x, -y.n.y, -y.n.z) * jet_inverse_r};
   const F16 length = p.rr * inverse_r;
   const UnitJet16 jet_length = pow(p.jet_rr, 0.5f);
-  const F16 one_plus = max(length - y.light_r, 1e-20f);
+  const F16 one_plus = max(length - y.light_r, 1e-6f * length);
   const F16 inverse = 1.0f / one_plus;
   const UnitJet16 sum = {(length * jet_length.g1 + y.light.x) * inverse, (length * jet_length.g2 + y.light.y) * inverse,
                          (length * jet_length.h11 - y.light.z * p.s11) * inverse,
