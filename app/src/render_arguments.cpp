@@ -89,8 +89,8 @@ void declare_cache(CLI::App& command, CacheOptions& cache) {
   group(add_number(command, "--records", cache.records, NumberRange<int>{1, 100'000'000},
                    "Make about this many records (within 5 %) instead of following --error", "by --error"))
       ->excludes(error);
-  group(add_number(command, "--gather-rays", cache.gather_rays, NumberRange<int>{16, 1 << 20},
-                   "Rays of a record, rounded up to a power of two", "by sharpness"));
+  group(add_number(command, "--gather-rays", cache.gather_rays, NumberRange<int>{1, 1 << 20},
+                   "Rays of a record, rounded up to a power of two, at least 1024", "by sharpness"));
   group(add_number(command, "--taylor-order", cache.taylor_order, NumberRange<int>{0, 2},
                    "Order of the interpolation between records"));
   group(command.add_flag_callback(

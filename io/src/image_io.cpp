@@ -30,7 +30,7 @@ void write_pixels(const fs::path& path, const OIIO::ImageSpec& spec, OIIO::TypeD
   file.commit();
 }
 
-OIIO::ImageSpec make_spec(const Image& image, std::size_t channels, OIIO::TypeDesc type) {
+OIIO::ImageSpec make_spec(const Image& image, std::size_t channels, const OIIO::TypeDesc& type) {
   VRC_CHECK(image.width > 0 && image.height > 0 && channels > 0, "an image of {}x{} with {} channels",
             image.width, image.height, channels);
   VRC_CHECK(image.pixels.size() == image.pixel_count() * image.channels.size(), "{} values for {}x{}x{}",

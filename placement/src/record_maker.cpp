@@ -60,7 +60,7 @@ void shape_record(RadianceRecord& record, const RegionRule& rule) {
                                std::min(kMaximumPictureShare * picture, record.estimate.nearest_hit)};
   const Jet2& brightness = record.estimate.luminance;
   const double reference = perceived(brightness.value, rule.mean_luminance);
-  RegionAxes axes = hessian_radii(brightness.hessian, reference, rule.epsilon * picture * picture, limits);
+  RegionAxes axes = hessian_radii(brightness, reference, rule.epsilon * picture * picture, rule.options->gradient_share, limits);
   if (rule.options->metric == PlacementMetric::kUniform) {
     axes.radius1 = axes.radius2 = std::max(rule.uniform_radius * picture, limits.minimum);
   }

@@ -148,7 +148,7 @@ TEST(CommandLineErrors, OfNumbers) {
        UsageError{render_with({"--error", "-0.1"}), "--error"},
        UsageError{render_with({"--records", "0"}), "--records"},
        UsageError{render_with({"--records", "100", "--error", "0.1"}), "--records"},
-       UsageError{render_with({"--gather-rays", "3"}), "--gather-rays"},
+       UsageError{render_with({"--gather-rays", "0"}), "--gather-rays"},
        UsageError{render_with({"--taylor-order", "3"}), "whole number from 0 to 2"},
        UsageError{render_with({"--max-normal-deviation", "3.2"}), "--max-normal-deviation"},
        UsageError{render_with({"--light-samples", "-1"}), "--light-samples"},

@@ -43,8 +43,8 @@ void normalize_lobes(Material& material) {
   std::vector<Lobe> merged;
   for (Lobe& lobe : material.lobes) {
     if ((reflectance(lobe) == 0.0f).all()) continue;
-    const auto equal =
-        std::find_if(merged.begin(), merged.end(), [&](const Lobe& other) { return same_shape(lobe, other); });
+    const auto equal = std::find_if(merged.begin(), merged.end(),
+                                    [&](const Lobe& other) { return same_shape(lobe, other); });
     if (equal == merged.end()) {
       merged.push_back(lobe);
     } else {

@@ -50,8 +50,9 @@ struct RegionAxes {
 };
 
 /// [Zhao eq. 4] with `reference` in the place of L: R_j = (4 epsilon reference / (pi |u_j|))^(1/4),
-/// then limited. `epsilon` has units of length^2.
-[[nodiscard]] RegionAxes hessian_radii(const Mat2& hessian, double reference, double epsilon,
+/// then limited. `epsilon` has units of length^2. The u_j are the eigenvalues of
+/// |H| + gradient_share g g^T / reference; share 0 is the paper's.
+[[nodiscard]] RegionAxes hessian_radii(const Jet2& jet, double reference, double epsilon, double gradient_share,
                                        const RadiusLimits& limits);
 
 }  // namespace vrc
