@@ -16,6 +16,8 @@
 
 namespace vrc {
 
+struct CropWindow;
+
 /// Limits of a number, both allowed.
 template <typename T>
 struct NumberRange {
@@ -41,7 +43,6 @@ template <typename T>
 /// "x,y,z", finite.
 [[nodiscard]] std::optional<Vec3> parse_vec3(std::string_view text);
 /// "x0,y0,x1,y1" with 0 <= x0 < x1 and 0 <= y0 < y1.
-struct CropWindow;
 [[nodiscard]] std::optional<CropWindow> parse_crop(std::string_view text);
 
 /// Declares an option of one argument that `read` takes; `read` returns false to reject it, and the

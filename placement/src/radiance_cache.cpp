@@ -23,7 +23,7 @@ PackedRecord pack(const RadianceRecord& record) {
   p.reach = std::max(p.radius1, p.radius2);
   p.region = record.site.point.region;
   // Derivatives per unit of (a, b), the offsets divided by the radii: they have radiance's unit.
-  const auto in_frame = [&](const Vec3& axis, double radius) {
+  const auto in_frame = [&](const Vec3& axis, double radius) -> Vec2 {
     return Vec2(axis.dot(record.site.frame.tangent), axis.dot(record.site.frame.bitangent)) * radius;
   };
   const Vec2 a = in_frame(r.axis1, r.radius1), b = in_frame(r.axis2, r.radius2);
