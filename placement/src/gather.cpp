@@ -146,6 +146,7 @@ class Gatherer {
     const I16 nearer = t < nearest_;
     nearest_ = select(nearer, t, nearest_);
     nearest_direction_ = select(nearer, direction, nearest_direction_);
+    nearest_normal_ = select(nearer, hit.geometric_normal, nearest_normal_);
   }
 
   /// Adds the radiance that the hits reflect of light from directions m, with its glossy-glossy jet.
@@ -215,7 +216,7 @@ class Gatherer {
 
   RgbJet16 sum_;
   F16 nearest_ = splat(std::numeric_limits<float>::infinity());
-  V3x16 nearest_direction_{};
+  V3x16 nearest_direction_{}, nearest_normal_{};
   F16 inverse_distance_{};
 };
 
@@ -263,7 +264,9 @@ RadianceEstimate Gatherer::finish(std::size_t rays) const {
     if (nearest_[i] < nearest_[lane]) lane = i;
   }
   result.nearest_hit = nearest_[lane];
-  result.nearest_direction = {nearest_direction_.x[lane], nearest_direction_.y[lane], nearest_direction_.z[lane]};
+  const auto of_lane = [&](const V3x16& v) { return Vec3(v.x[lane], v.y[lane], v.z[lane]); };
+  result.nearest_direction = of_lane(nearest_direction_);
+  result.nearest_normal = of_lane(nearest_normal_);
   result.mean_inverse_hit = lane_total(inverse_distance_) / n;
   return result;
 }

@@ -12,7 +12,7 @@ namespace vrc {
 namespace {
 
 // Neighbours farther than this multiple of the radii are left out.
-constexpr double kReach = 2.0;
+constexpr double kReach = 2.5;
 // Relative error of a second-order Taylor polynomial at k_t = 1, growing with k_t^3.
 constexpr double kModelError = 0.05;
 // Relative floor of a value's standard deviation: no estimate is exact.

@@ -9,6 +9,8 @@ namespace {
 
 constexpr double kDarkShare = 0.2;          // of the mean luminance, in `perceived`
 constexpr double kMaximumPictureShare = 0.1;  // [Zhao 5]
+constexpr double kSteepWall = 0.5;            // sine of the least angle between surface and wall
+constexpr double kAlongCrease = 6.0;          // times the nearest hit: along the crease of a wall
 
 /// The same surface half a pixel farther from the nearest hit; nothing when the surface ends there.
 std::optional<SurfacePoint> moved_out_of_crease(const Scene& scene, const RecordSite& site, const Vec3& nearest) {
@@ -46,6 +48,18 @@ double limit_jet(Jet2& jet, const Vec2& half1, const Vec2& half2, double limit) 
   return factor;
 }
 
+/// Hits stay fixed in the derivatives, so a region must not reach the nearest of them. A wall that
+/// rises beside the record limits the region across their crease; along it the picture changes slowly.
+RegionAxes within_nearest_hit(const RegionAxes& axes, const RadianceRecord& record) {
+  const double nearest = record.estimate.nearest_hit;
+  if (!std::isfinite(nearest)) return axes;
+  const Frame& frame = record.site.frame;
+  const Vec2 wall(record.estimate.nearest_normal.dot(frame.tangent), record.estimate.nearest_normal.dot(frame.bitangent));
+  const double steepness = wall.norm();
+  if (steepness < kSteepWall) return intersection(axes, Vec2::UnitX(), nearest, nearest);
+  return intersection(axes, wall / steepness, nearest, kAlongCrease * nearest);
+}
+
 }  // namespace
 
 double perceived(double value, double mean_luminance) {
@@ -56,14 +70,17 @@ void shape_record(RadianceRecord& record, const RegionRule& rule) {
   const RecordSite& site = record.site;
   const double picture = site.pixel_length * rule.picture_width;
 
-  const RadiusLimits limits = {site.pixel_length,
-                               std::min(kMaximumPictureShare * picture, record.estimate.nearest_hit)};
   const Jet2& brightness = record.estimate.luminance;
   const double reference = perceived(brightness.value, rule.mean_luminance);
-  RegionAxes axes = hessian_radii(brightness, reference, rule.epsilon * picture * picture, rule.options->gradient_share, limits);
+  RegionAxes axes = hessian_radii(brightness, reference, rule.epsilon * picture * picture, rule.options->gradient_share,
+                                  kMaximumPictureShare * picture);
   if (rule.options->metric == PlacementMetric::kUniform) {
-    axes.radius1 = axes.radius2 = std::max(rule.uniform_radius * picture, limits.minimum);
+    axes.radius1 = axes.radius2 = rule.uniform_radius * picture;
+  } else {
+    axes = within_nearest_hit(axes, record);
   }
+  axes.radius1 = std::max(axes.radius1, site.pixel_length);
+  axes.radius2 = std::max(axes.radius2, site.pixel_length);
   ValidRegion& region = record.region;
   region.center = site.point.position;
   region.normal = site.point.normal;
@@ -83,8 +100,13 @@ void set_radiance(RadianceRecord& record, const std::array<Jet2, 3>& jets, doubl
   const Vec2 half2 = region.radius2 * Vec2(region.axis2.dot(frame.tangent), region.axis2.dot(frame.bitangent));
   record.radiance = jets;
   record.clamp_factor = 1.0;
+  // Derivatives hold no farther than the nearest hit; a region that the minimum radius makes larger
+  // extrapolates as if its edge were there.
+  const double trust = std::min(1.0, record.estimate.nearest_hit / std::max(region.radius1, region.radius2));
   for (Jet2& jet : record.radiance) {
-    const double factor = limit_jet(jet, half1, half2, perceived(jet.value, mean_luminance));
+    jet.gradient *= trust;
+    jet.hessian *= trust * trust;
+    const double factor = trust * limit_jet(jet, half1, half2, perceived(jet.value, mean_luminance));
     record.clamp_factor = std::min(record.clamp_factor, factor);
   }
 }

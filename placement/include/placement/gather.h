@@ -35,7 +35,8 @@ struct RadianceEstimate {
   Jet2 luminance;                    ///< Of `radiance`.
   Jet2 variance;                     ///< Of each entry of `luminance`, from sixteen batches.
   double nearest_hit = 0.0;          ///< Shortest gather ray; infinity when all escaped.
-  Vec3 nearest_direction = Vec3::Zero();
+  Vec3 nearest_direction = Vec3::Zero();  ///< Of that ray.
+  Vec3 nearest_normal = Vec3::Zero();     ///< Geometric normal where it hit.
   double mean_inverse_hit = 0.0;     ///< Mean of 1 / distance over the rays. [1/length]
 };
 

@@ -37,22 +37,20 @@ struct ValidRegion {
   return std::max(0.0, 1.0 - kt * kr) * std::pow(std::max(0.0, kr), 16.0);
 }
 
-/// What bounds the radii of eq. 4.
-struct RadiusLimits {
-  double minimum = 0.0;  ///< One pixel. [length]
-  double maximum = 0.0;  ///< A tenth of the picture, and no farther than the nearest hit. [length]
-};
-
-/// Half axes and directions of eq. 4 for a Hessian in tangent coordinates.
+/// Half axes and directions of an ellipse in tangent coordinates.
 struct RegionAxes {
   Vec2 axis1, axis2;
   double radius1, radius2;
 };
 
-/// [Zhao eq. 4] with `reference` in the place of L: R_j = (4 epsilon reference / (pi |u_j|))^(1/4),
-/// then limited. `epsilon` has units of length^2. The u_j are the eigenvalues of
+/// [Zhao eq. 4] with `reference` in the place of L: R_j = (4 epsilon reference / (pi |u_j|))^(1/4), at
+/// most `maximum`. `epsilon` has units of length^2. The u_j are the eigenvalues of
 /// |H| + gradient_share g g^T / reference; share 0 is the paper's.
 [[nodiscard]] RegionAxes hessian_radii(const Jet2& jet, double reference, double epsilon, double gradient_share,
-                                       const RadiusLimits& limits);
+                                       double maximum);
+
+/// The largest ellipse, about, inside both a given one and that with half axes `across` along the
+/// unit vector `direction` and `along` perpendicular to it (the sum of their inverse squares).
+[[nodiscard]] RegionAxes intersection(const RegionAxes& axes, const Vec2& direction, double across, double along);
 
 }  // namespace vrc
