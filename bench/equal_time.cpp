@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -298,6 +299,7 @@ json compare(const Scene& scene, const References& references, const CacheSettin
   }
   fmt::print("\n");
   print_phases(last);
+  std::fflush(stdout);
   return row;
 }
 

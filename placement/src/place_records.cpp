@@ -16,6 +16,11 @@ namespace vrc {
 namespace {
 
 constexpr int kPilotStride = 32;          // pixels between the first records
+constexpr int kLog2PilotRays = 10;
+constexpr int kFewestLog2Rays = 10;
+constexpr int kMostLog2Rays = 15;
+constexpr double kNoiseShare = 1.0;       // of the accepted error: a record's own noise
+constexpr double kConvergence = 1.1;      // variance falls as rays^-1.1
 constexpr std::size_t kSmallestRound = 32;
 constexpr std::size_t kRoundShare = 8;    // a round makes at most 1/8 of the records so far
 constexpr int kSampleRounds = 6;          // passes over the samples that pixel centres miss
@@ -29,9 +34,6 @@ class ImagePlacement {
     gather_.bounces = bounces;
     gather_.glossy_glossy = options.glossy_glossy;
     gather_.seed = seed;
-    gather_.log2_rays = options.gather_rays > 0
-                            ? std::max(10, static_cast<int>(std::bit_width(static_cast<unsigned>(options.gather_rays - 1))))
-                            : default_log2_rays(scene);
     rule_.options = &options_;
     rule_.picture_width = std::max(scene.camera().width, scene.camera().height);
   }
@@ -54,8 +56,10 @@ class ImagePlacement {
   }
 
  private:
-  /// The threshold of eq. 4 for a wanted relative error; both measured in docs/decisions.
-  static double threshold(double error) { return 0.12 * error * error; }
+  /// The threshold of eq. 4 that gave a relative error in measurements (docs/decisions).
+  static double threshold(double error) {
+    return std::min(0.12 * error * error, 133.0 * error * error * error * error);
+  }
 
   void make(const std::vector<RecordSite>& sites) {
     std::vector<RadianceRecord> made(sites.size());
@@ -79,7 +83,8 @@ class ImagePlacement {
 
   void shape(RadianceRecord& record) const { shape_record(record, rule_); }
 
-  /// Records on a coarse lattice, from which the mean luminance is known.
+  /// Cheap records on a coarse lattice tell the mean luminance and how many rays a record needs, and
+  /// are thrown away.
   void pilot() {
     int stride = kPilotStride;
     while (stride > 1 && 8 * stride > std::min(grid_.width(), grid_.height())) stride /= 2;
@@ -87,11 +92,39 @@ class ImagePlacement {
     for (std::size_t i = 0; i < grid_.lattice_prefix(stride); ++i) {
       if (grid_.is_open(grid_.order()[i])) sites.push_back(site_at(grid_.order()[i]));
     }
+    gather_.log2_rays = kLog2PilotRays;
     make(sites);
     double sum = 0.0;
     for (const RadianceRecord& record : result_.records) sum += record.estimate.luminance.value;
-    rule_.mean_luminance = result_.records.empty() ? 1.0 : std::max(sum / static_cast<double>(result_.records.size()), 1e-30);
+    rule_.mean_luminance =
+        result_.records.empty() ? 1.0 : std::max(sum / static_cast<double>(result_.records.size()), 1e-30);
+    gather_.log2_rays = options_.gather_rays > 0 ? log2_ceiling(options_.gather_rays) : rays_for_noise();
+    result_.log2_rays = gather_.log2_rays;
+    result_.records.clear();
   }
+
+  [[nodiscard]] static int log2_ceiling(int rays) {
+    return std::max(kFewestLog2Rays, static_cast<int>(std::bit_width(static_cast<unsigned>(rays - 1))));
+  }
+
+  /// Rays that bring a typical record's relative noise down to the accepted error; the joint fit and
+  /// the blending of overlapping records lower it further.
+  [[nodiscard]] int rays_for_noise() const {
+    std::vector<double> noise;
+    for (const RadianceRecord& record : result_.records) {
+      noise.push_back(std::sqrt(record.estimate.variance.value) /
+                      perceived(record.estimate.luminance.value, rule_.mean_luminance));
+    }
+    if (noise.empty()) return kFewestLog2Rays;
+    const auto middle = noise.begin() + static_cast<std::ptrdiff_t>(noise.size() / 2);
+    std::ranges::nth_element(noise, middle);
+    const double wanted = kNoiseShare * accepted_error();
+    const double doublings = 2.0 / kConvergence * std::log2(std::max(*middle / wanted, 1e-9));
+    return std::clamp(kLog2PilotRays + static_cast<int>(std::lround(doublings)), kFewestLog2Rays, kMostLog2Rays);
+  }
+
+  /// With a wanted number of records the error is unknown: the default's noise is aimed at.
+  [[nodiscard]] double accepted_error() const { return options_.records > 0 ? CacheOptions{}.error : options_.error; }
 
   /// Covers every pixel centre at a threshold, keeping the records there are; stops early beyond
   /// `limit` records when one is given.
@@ -206,12 +239,6 @@ class ImagePlacement {
 };
 
 }  // namespace
-
-int default_log2_rays(const Scene& scene) {
-  float sharpest = 0.0f;
-  for (const Bsdf& bsdf : scene.bsdfs()) sharpest = std::max(sharpest, bsdf.sharpness());
-  return sharpest > 150.0f ? 14 : 12;
-}
 
 PlacementResult place_records(const Scene& scene, const PlacementView& view, const CacheOptions& options, int bounces,
                               std::uint64_t seed, const RunControl& control) {

@@ -163,7 +163,9 @@ TEST(Simd, MasksSelectAndCount) {
     EXPECT_EQ(mask_bits(mask), wanted);
     EXPECT_EQ(any(mask), wanted != 0);
     EXPECT_EQ(all(mask), wanted == 0xffffu);
-    if (wanted != 0) EXPECT_EQ(first_lane(mask), std::countr_zero(wanted));
+    if (wanted != 0) {
+      EXPECT_EQ(first_lane(mask), std::countr_zero(wanted));
+    }
     const F16 chosen = select(mask, splat(1.0f), splat(2.0f));
     for (int i = 0; i < kLanes; ++i) EXPECT_EQ(chosen[i], (wanted >> i) & 1u ? 1.0f : 2.0f);
   }

@@ -21,6 +21,7 @@ struct PlacementResult {
   std::vector<PhaseTime> phases;
   double epsilon = 0.0;        ///< The threshold that was used (RegionRule::epsilon).
   double mean_luminance = 0.0;
+  int log2_rays = 0;           ///< Rays of each record.
   bool unfinished = false;     ///< Stopped by the user: not every point is covered.
 };
 
@@ -34,8 +35,5 @@ inline constexpr double kWideSupport = 3.0;
 /// and then every sample is covered. Deterministic at any thread count.
 [[nodiscard]] PlacementResult place_records(const Scene& scene, const PlacementView& view, const CacheOptions& options,
                                             int bounces, std::uint64_t seed, const RunControl& control);
-
-/// Rays of a record when the user does not say: more for sharper lobes.
-[[nodiscard]] int default_log2_rays(const Scene& scene);
 
 }  // namespace vrc

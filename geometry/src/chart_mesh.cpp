@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "chart_mesh.h"
+
+#include <algorithm>
+
+#include "disjoint_sets.h"
+
+namespace vrc {
+namespace {
+
+// Fills triangles and positions from the neighbours; `corner_position(face, k)` is in world space.
+template <typename CornerPosition>
+void join_corners(ChartMesh& chart, const CornerPosition& corner_position) {
+  const std::size_t count = chart.neighbours.size();
+  DisjointSets sets(3 * count);
+  for (std::uint32_t f = 0; f < count; ++f) {
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t other = chart.neighbours[f][k];
+      if (other == kInvalidIndex || other < f) continue;
+      // Two faces may share two edges: take the one that runs backwards along ours.
+      const Vec3 begin = corner_position(f, k);
+      const Vec3 end = corner_position(f, (k + 1) % 3);
+      for (std::uint32_t j = 0; j < 3; ++j) {
+        if (chart.neighbours[other][j] != f || corner_position(other, j) != end ||
+            corner_position(other, (j + 1) % 3) != begin) {
+          continue;
+        }
+        sets.unite(3 * f + k, 3 * other + (j + 1) % 3);
+        sets.unite(3 * f + (k + 1) % 3, 3 * other + j);
+      }
+    }
+  }
+  const std::vector<std::uint32_t> vertex = sets.labels();
+  chart.triangles.resize(count);
+  chart.positions.clear();
+  const Vec3 origin = corner_position(0, 0);
+  for (std::uint32_t c = 0; c < vertex.size(); ++c) {
+    chart.triangles[c / 3][c % 3] = vertex[c];
+    if (vertex[c] == chart.positions.size())
+      chart.positions.push_back(corner_position(c / 3, c % 3) - origin);
+  }
+}
+
+}  // namespace
+
+int ChartMesh::euler_characteristic() const {
+  std::size_t halfedges_inside = 0;
+  for (const auto& around : neighbours) {
+    for (const std::uint32_t n : around) halfedges_inside += n != kInvalidIndex ? 1 : 0;
+  }
+  const std::size_t edges = 3 * size() - halfedges_inside / 2;
+  return static_cast<int>(positions.size()) - static_cast<int>(edges) + static_cast<int>(size());
+}
+
+bool ChartMesh::has_boundary() const {
+  return std::any_of(neighbours.begin(), neighbours.end(), [](const auto& around) {
+    return std::find(around.begin(), around.end(), kInvalidIndex) != around.end();
+  });
+}
+
+ChartMesh make_chart_mesh(const SurfaceMesh& mesh, const FaceGraph& graph,
+                          std::span<const std::uint32_t> faces, std::span<const std::uint32_t> chart_of,
+                          std::vector<std::uint32_t>& local) {
+  ChartMesh chart;
+  chart.source.assign(faces.begin(), faces.end());
+  for (std::uint32_t i = 0; i < faces.size(); ++i) local[faces[i]] = i;
+  for (const std::uint32_t f : faces) {
+    auto& around = chart.neighbours.emplace_back(graph.neighbour[f]);
+    for (std::uint32_t& n : around) {
+      if (n != kInvalidIndex) n = chart_of[n] == chart_of[f] ? local[n] : kInvalidIndex;
+    }
+  }
+  join_corners(chart, [&](std::size_t f, std::size_t k) {
+    return mesh.position(mesh.triangle(faces[f])[k]);
+  });
+  return chart;
+}
+
+std::vector<ChartMesh> cut_chart(const ChartMesh& chart, std::span<const std::uint32_t> label) {
+  const auto joined = [&](std::uint32_t f, std::uint32_t n) {
+    return n != kInvalidIndex && label[n] == label[f];
+  };
+  DisjointSets sets(chart.size());
+  for (std::uint32_t f = 0; f < chart.size(); ++f) {
+    for (const std::uint32_t n : chart.neighbours[f]) {
+      if (joined(f, n)) sets.unite(f, n);
+    }
+  }
+  const std::vector<std::uint32_t> part_of = sets.labels();
+  std::vector<std::vector<std::uint32_t>> members;
+  std::vector<std::uint32_t> local(chart.size());
+  for (std::uint32_t f = 0; f < chart.size(); ++f) {
+    if (part_of[f] == members.size()) members.emplace_back();
+    local[f] = static_cast<std::uint32_t>(members[part_of[f]].size());
+    members[part_of[f]].push_back(f);
+  }
+  std::vector<ChartMesh> parts(members.size());
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    for (const std::uint32_t f : members[p]) {
+      parts[p].source.push_back(chart.source[f]);
+      auto& around = parts[p].neighbours.emplace_back(chart.neighbours[f]);
+      for (std::uint32_t& n : around) n = joined(f, n) ? local[n] : kInvalidIndex;
+    }
+    join_corners(parts[p], [&](std::size_t f, std::size_t k) {
+      return chart.positions[chart.triangles[members[p][f]][k]];
+    });
+  }
+  return parts;
+}
+
+}  // namespace vrc

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Closed-form derivatives of gathered radiance against finite differences of converged radiance.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "placement_support.h"
+
+namespace vrc {
+namespace {
+
+constexpr int kLog2Rays = 17;
+constexpr double kStepShare = 0.01;  // of the scene's radius
+
+/// Central differences of luminance in the tangent plane with the given step.
+Jet2 differences(const Scene& scene, const RecordSite& site, double h) {
+  const auto at = [&](double x, double y) {
+    return test::gather(scene, test::displaced(scene, site, h * Vec2(x, y)), kLog2Rays, 7).luminance.value;
+  };
+  const double center = at(0, 0), right = at(1, 0), left = at(-1, 0), up = at(0, 1), down = at(0, -1);
+  Jet2 j;
+  j.value = center;
+  j.gradient = Vec2(right - left, up - down) / (2.0 * h);
+  const double mixed = (at(1, 1) - at(1, -1) - at(-1, 1) + at(-1, -1)) / 4.0;
+  j.hessian << right - 2.0 * center + left, mixed, mixed, up - 2.0 * center + down;
+  j.hessian /= h * h;
+  return j;
+}
+
+/// Richardson's extrapolation of two steps removes the error of second order.
+Jet2 reference_derivatives(const Scene& scene, const RecordSite& site) {
+  const double h = kStepShare * scene.radius();
+  const Jet2 wide = differences(scene, site, 2.0 * h), narrow = differences(scene, site, h);
+  Jet2 j = narrow;
+  j.gradient = (4.0 * narrow.gradient - wide.gradient) / 3.0;
+  j.hessian = (4.0 * narrow.hessian - wide.hessian) / 3.0;
+  return j;
+}
+
+struct RelativeError {
+  double gradient, hessian;
+};
+
+/// RMS over the sites of the difference over that of the truth.
+RelativeError relative_error(const Scene& scene, const std::vector<RecordSite>& sites,
+                             const std::vector<Jet2>& truth, bool glossy_glossy) {
+  double g_error = 0.0, g_truth = 0.0, h_error = 0.0, h_truth = 0.0;
+  for (std::size_t i = 0; i < sites.size(); ++i) {
+    const Jet2 estimate = test::gather(scene, sites[i], kLog2Rays, 11, glossy_glossy).luminance;
+    g_error += (estimate.gradient - truth[i].gradient).squaredNorm();
+    g_truth += truth[i].gradient.squaredNorm();
+    h_error += (estimate.hessian - truth[i].hessian).squaredNorm();
+    h_truth += truth[i].hessian.squaredNorm();
+  }
+  return {std::sqrt(g_error / g_truth), std::sqrt(h_error / h_truth)};
+}
+
+void expect_glossy_glossy_term_to_matter(const std::string& scene_name, const std::vector<Vec2>& film_shares) {
+  const Scene scene = test::load_scene(scene_name, 256, 256);
+  const std::vector<RecordSite> sites = test::sites_at(scene, film_shares);
+  std::vector<Jet2> truth;
+  for (const RecordSite& site : sites) truth.push_back(reference_derivatives(scene, site));
+  const RelativeError with = relative_error(scene, sites, truth, true);
+  EXPECT_LT(with.gradient, 0.05);
+  EXPECT_LT(with.hessian, 0.15);
+  const RelativeError without = relative_error(scene, sites, truth, false);
+  EXPECT_GT(without.gradient, 0.15);
+  EXPECT_GT(without.hessian, 0.45);
+  testing::Test::RecordProperty("gradient", std::to_string(with.gradient));
+  testing::Test::RecordProperty("hessian", std::to_string(with.hessian));
+  testing::Test::RecordProperty("gradient_without", std::to_string(without.gradient));
+  testing::Test::RecordProperty("hessian_without", std::to_string(without.hessian));
+}
+
+TEST(RadianceDerivatives, MatchFiniteDifferencesInTheHalfBox) {
+  expect_glossy_glossy_term_to_matter(
+      "half_box.xml", {{0.30, 0.35}, {0.38, 0.60}, {0.25, 0.50}, {0.65, 0.35}, {0.70, 0.50}, {0.50, 0.75},
+                       {0.45, 0.80}, {0.58, 0.70}, {0.62, 0.45}, {0.35, 0.42}});
+}
+
+TEST(RadianceDerivatives, MatchFiniteDifferencesOnTheGlossyFloor) {
+  expect_glossy_glossy_term_to_matter(
+      "glossy_pair.xml", {{0.5, 0.5}, {0.4, 0.45}, {0.6, 0.45}, {0.45, 0.6}, {0.55, 0.6}, {0.5, 0.4}, {0.35, 0.55},
+                          {0.65, 0.55}});
+}
+
+}  // namespace
+}  // namespace vrc

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "placement/gather.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "placement_support.h"
+#include "transport/path_tracer.h"
+
+namespace vrc {
+namespace {
+
+/// Running mean and variance.
+struct Moments {
+  double count = 0.0, sum = 0.0, squares = 0.0;
+
+  void add(double v) {
+    count += 1.0;
+    sum += v;
+    squares += v * v;
+  }
+  [[nodiscard]] double mean() const { return sum / count; }
+  [[nodiscard]] double variance() const { return (squares - sum * sum / count) / (count - 1.0); }
+};
+
+const std::vector<Vec2> kCornellSites = {{0.5, 0.85}, {0.12, 0.5}, {0.45, 0.3}, {0.68, 0.72}};
+
+TEST(Gather, ManySmallGathersAgreeWithALargeOneAndWithTheirVariance) {
+  const Scene scene = test::load_scene("cornell_glossy.xml", 128, 128);
+  constexpr int kRuns = 256;
+  for (const RecordSite& site : test::sites_at(scene, kCornellSites)) {
+    std::vector<Moments> found(6), claimed(6);
+    for (int run = 0; run < kRuns; ++run) {
+      const RadianceEstimate e = test::gather(scene, site, 10, static_cast<std::uint64_t>(run + 1));
+      const auto jet = test::entries(e.luminance), variance = test::entries(e.variance);
+      for (std::size_t i = 0; i < 6; ++i) {
+        found[i].add(jet[i]);
+        claimed[i].add(variance[i]);
+      }
+    }
+    const RadianceEstimate large = test::gather(scene, site, 18, 12345);
+    const auto expected = test::entries(large.luminance), expected_variance = test::entries(large.variance);
+    for (std::size_t i = 0; i < 6; ++i) {
+      // Twenty-four comparisons: 4.5 sigma is passed by chance once in 6000 runs.
+      const double sigma = std::sqrt(found[i].variance() / kRuns + expected_variance[i]);
+      EXPECT_LT(std::abs(found[i].mean() - expected[i]) / sigma, 4.5) << "entry " << i << " of " << site.key;
+      const double ratio = claimed[i].mean() / found[i].variance();
+      EXPECT_GT(ratio, 1.0 / 3.0) << "entry " << i << " of " << site.key;
+      EXPECT_LT(ratio, 3.0) << "entry " << i << " of " << site.key;
+    }
+  }
+}
+
+/// Mean of path samples at the site, an estimate that shares only the scene with the gather's.
+Moments path_luminance(const Scene& scene, const RecordSite& site, int bounces) {
+  const Vec3 direction = -site.to_camera.normalized();
+  I16 all = splat(-1);
+  const Ray16 ray = {splat3(scene.camera().origin), splat3(direction), splat(1e17f)};
+  const SurfacePoint16 first = scene.intersect(all, ray, RayTracer::Coherence::kIncoherent);
+  Moments result;
+  RayCounts counts;
+  for (std::uint32_t packet = 0; packet < 4096; ++packet) {
+    // Each packet has a seed of its own, so that packets are independent.
+    const PathSampler16 sampler = {std::bit_cast<U16>(lane_index()), splat(packet * 7919u + 5u)};
+    const PathRadiance16 radiance =
+        trace_paths(scene, first, splat3(direction), all, sampler, {bounces, true, false}, counts);
+    result.add(static_cast<double>(lane_sum(luminance(radiance.indirect))) / kLanes);
+  }
+  return result;
+}
+
+TEST(Gather, AgreesWithPathTracing) {
+  for (const char* name : {"cornell_glossy.xml", "cornell_ggx.xml"}) {
+    const Scene scene = test::load_scene(name, 128, 128);
+    for (const RecordSite& site : test::sites_at(scene, kCornellSites)) {
+      for (const int bounces : {1, 3}) {
+        const Moments path = path_luminance(scene, site, bounces);
+        const RadianceEstimate e = test::gather(scene, site, 15, 3, true, bounces);
+        const double sigma = std::sqrt(path.variance() / path.count + e.variance.value);
+        EXPECT_LT(std::abs(path.mean() - e.luminance.value) / sigma, 4.5) << name << ", site " << site.key;
+        // The comparison must be able to fail.
+        EXPECT_LT(sigma, 0.05 * e.luminance.value) << name << ", site " << site.key << ", " << bounces;
+      }
+    }
+  }
+}
+
+TEST(Gather, MoreBouncesBringMoreLight) {
+  const Scene scene = test::load_scene("cornell_glossy.xml", 128, 128);
+  for (const RecordSite& site : test::sites_at(scene, kCornellSites)) {
+    const double one = test::gather(scene, site, 14, 1, true, 1).luminance.value;
+    const double two = test::gather(scene, site, 14, 1, true, 2).luminance.value;
+    const double all = test::gather(scene, site, 14, 1, true, -1).luminance.value;
+    EXPECT_GT(two, 1.05 * one);
+    EXPECT_GT(all, 1.02 * two);
+  }
+}
+
+TEST(Gather, HasNoGlossyGlossyTermBelowADiffuseWall) {
+  const Scene scene = test::load_scene("glossy_pair_diffuse.xml", 128, 128);
+  for (const RecordSite& site : test::sites_at(scene, {{0.5, 0.5}, {0.4, 0.6}})) {
+    EXPECT_EQ(test::entries(test::gather(scene, site, 12, 1, true).luminance),
+              test::entries(test::gather(scene, site, 12, 1, false).luminance));
+  }
+}
+
+ShapeDescription square(const std::string& id, double height, bool facing_up, std::uint32_t material, const Rgb& emission) {
+  ShapeDescription shape;
+  shape.id = id;
+  shape.soup.source = id;
+  shape.soup.positions = {{-1, height, -1}, {-1, height, 1}, {1, height, 1}, {1, height, -1}};
+  const std::vector<std::uint32_t> up = {0, 1, 2, 3}, down = {3, 2, 1, 0};
+  shape.soup.add_face(facing_up ? up : down);
+  shape.materials = {material};
+  shape.emission = {emission};
+  return shape;
+}
+
+/// A diffuse floor below a black lamp, under a sky.
+SceneDescription floor_below_lamp() {
+  SceneDescription d;
+  d.source = "floor_below_lamp";
+  Material diffuse;
+  diffuse.lobes = {LambertLobe{}, PhongLobe{}};
+  d.materials = {diffuse, Material{}};
+  d.shapes = {square("floor", 0.0, true, 0, Rgb::Zero()), square("lamp", 1.0, false, 1, Rgb::Constant(3.0f))};
+  d.environment = Rgb::Constant(0.5f);
+  d.camera = look_at({0.3, 0.6, 0.2}, {0, 0, 0}, {1, 0, 0}, 30, 32, 32);
+  return d;
+}
+
+TEST(Gather, SeesNoIndirectLightWhereItHitsOnlyEmittersAndSky) {
+  const Scene scene(floor_below_lamp());
+  for (const RecordSite& site : test::sites_at(scene, {{0.5, 0.5}, {0.2, 0.7}})) {
+    const RadianceEstimate e = test::gather(scene, site, 10, 1);
+    for (std::size_t i = 0; i < 6; ++i) {
+      for (const Jet2& channel : e.radiance) EXPECT_EQ(test::entries(channel)[i], 0.0);
+      EXPECT_EQ(test::entries(e.luminance)[i], 0.0);
+      EXPECT_EQ(test::entries(e.variance)[i], 0.0);
+    }
+    EXPECT_NEAR(e.nearest_hit, 1.0, 0.02);
+    EXPECT_NEAR(e.nearest_direction.y(), 1.0, 0.02);
+    EXPECT_GT(e.mean_inverse_hit, 0.0);
+    EXPECT_LT(e.mean_inverse_hit, 1.0);
+  }
+}
+
+TEST(Gather, FindsNothingUnderAnEmptySky) {
+  SceneDescription d = floor_below_lamp();
+  d.shapes.pop_back();
+  const Scene scene(d);
+  for (const RecordSite& site : test::sites_at(scene, {{0.5, 0.5}})) {
+    const RadianceEstimate e = test::gather(scene, site, 10, 1);
+    EXPECT_EQ(e.luminance.value, 0.0);
+    EXPECT_TRUE(std::isinf(e.nearest_hit));
+    EXPECT_EQ(e.mean_inverse_hit, 0.0);
+  }
+}
+
+TEST(Gather, CountsItsRaysAndRepeatsItself) {
+  const Scene scene = test::load_scene("cornell_glossy.xml", 64, 64);
+  const std::vector<RecordSite> sites = test::sites_at(scene, {{0.5, 0.85}});
+  ASSERT_EQ(sites.size(), 1u);
+  RayCounts counts;
+  GatherOptions options;
+  options.log2_rays = 11;
+  const RadianceEstimate a = gather_radiance(scene, sites[0], options, counts);
+  EXPECT_LE(counts.gather, 2048u);
+  EXPECT_GT(counts.gather, 1024u);
+  EXPECT_LE(counts.shadow, counts.gather);
+  EXPECT_EQ(counts.other, 0u);
+  const RadianceEstimate b = gather_radiance(scene, sites[0], options, counts);
+  EXPECT_EQ(test::entries(a.luminance), test::entries(b.luminance));
+  options.seed = 1;
+  EXPECT_NE(gather_radiance(scene, sites[0], options, counts).luminance.value, a.luminance.value);
+}
+
+}  // namespace
+}  // namespace vrc

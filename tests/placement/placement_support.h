@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "io/scene_reader.h"
+#include "placement/gather.h"
+#include "placement/radiance_cache.h"
+#include "transport/film_sampler.h"
+
+namespace vrc::test {
+
+inline Scene load_scene(const std::string& name, int width, int height) {
+  SceneReadOptions options;
+  options.width = width;
+  options.height = height;
+  return Scene(read_scene(std::string(VRC_SOURCE_DIR "/scenes/") + name, options));
+}
+
+/// The reflecting surface that the camera sees at a film position.
+inline std::optional<SurfacePoint> seen_at(const Scene& scene, double film_x, double film_y) {
+  I16 first{};
+  first[0] = -1;
+  const Ray16 ray = {splat3(scene.camera().origin), splat3(scene.camera().direction(film_x, film_y)), splat(1e17f)};
+  const SurfacePoint16 p = scene.intersect(first, ray, RayTracer::Coherence::kIncoherent);
+  if (p.scatters[0] == 0) return std::nullopt;
+  return scene.surface_point(static_cast<std::uint32_t>(p.triangle[0]), p.u[0], p.v[0], scene.camera().origin);
+}
+
+/// Sites at given film positions, as shares of the film's size; all must see a surface.
+inline std::vector<RecordSite> sites_at(const Scene& scene, const std::vector<Vec2>& shares) {
+  std::vector<RecordSite> sites;
+  for (const Vec2& s : shares) {
+    const auto point = seen_at(scene, s[0] * scene.camera().width, s[1] * scene.camera().height);
+    EXPECT_TRUE(point.has_value()) << s.transpose();
+    if (point) sites.push_back(make_site(scene, *point, 1000 + sites.size()));
+  }
+  return sites;
+}
+
+/// The site displaced in its tangent plane; the surface must be flat.
+inline RecordSite displaced(const Scene& scene, const RecordSite& site, const Vec2& d) {
+  SurfacePoint point = site.point;
+  point.position += d[0] * site.frame.tangent + d[1] * site.frame.bitangent;
+  return make_site(scene, point, site.key);
+}
+
+inline RadianceEstimate gather(const Scene& scene, const RecordSite& site, int log2_rays, std::uint64_t seed,
+                               bool glossy_glossy = true, int bounces = 1) {
+  RayCounts counts;
+  GatherOptions options;
+  options.log2_rays = log2_rays;
+  options.seed = seed;
+  options.glossy_glossy = glossy_glossy;
+  options.bounces = bounces;
+  return gather_radiance(scene, site, options, counts);
+}
+
+/// (value, g1, g2, h11, h12, h22).
+inline std::vector<double> entries(const Jet2& j) {
+  return {j.value, j.gradient[0], j.gradient[1], j.hessian(0, 0), j.hessian(0, 1), j.hessian(1, 1)};
+}
+
+}  // namespace vrc::test
