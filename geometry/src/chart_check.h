@@ -23,8 +23,9 @@ struct ChartCheck {
   [[nodiscard]] bool passed() const { return bad_faces.empty() && !overlaps; }
 };
 
-/// Without flips and with a border that does not cross itself the map of a chart without handles is
-/// one to one. The border is looked at only when no face is bad.
+/// Without flips and with a border that does not cross itself the map is one to one: the border's loops
+/// then turn once in all, so one of them is outside and the others are holes. That also means that a
+/// chart with handles never passes. The border is looked at only when no face is bad.
 [[nodiscard]] ChartCheck check_chart(const ChartMesh& chart, std::span<const Vec2> uv,
                                      const PatchAtlasOptions& options);
 

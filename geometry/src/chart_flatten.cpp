@@ -118,12 +118,6 @@ FlatChart single_face(ChartMesh chart) {
   return {std::move(chart), ChartMethod::kSingleFace, std::move(uv)};
 }
 
-bool can_be_conformal(const ChartMesh& chart) {
-  if (!chart.has_boundary()) return false;
-  // With handles the boundary loops cannot make up for the missing characteristic; holes may.
-  return chart.euler_characteristic() <= 1;
-}
-
 // Halves by the centroids along their widest axis.
 std::vector<std::uint32_t> halves(const ChartMesh& chart) {
   std::vector<Vec3> centroids;
@@ -158,7 +152,7 @@ Outcome flatten_or_cut(ChartMesh& chart, const PatchAtlasOptions& options, bool 
   const bool direct = projected.check.passed() && projected.check.max_stretch <= enough;
   const ChartCheck* fewest = &projected.check;
   Attempt conformal;
-  if (!direct && can_be_conformal(chart)) {
+  if (!direct && chart.has_boundary()) {
     if (auto uv = conformal_map(chart)) {
       conformal = checked(std::move(*uv), chart, options);
       if (conformal.check.passed()) {

@@ -42,10 +42,12 @@ class ChartGrower {
     constexpr int kMaxRounds = 8;
     for (int round = 0; round < kMaxRounds && merge_tiny_charts(); ++round) {
     }
+    for (int round = 0; round < kMaxRounds && smooth_borders(); ++round) {
+    }
+    collect_faces();
     std::vector<std::vector<std::uint32_t>> result;
     for (Chart& chart : charts_) {
       if (chart.faces.empty()) continue;
-      std::sort(chart.faces.begin(), chart.faces.end());
       result.push_back(std::move(chart.faces));
     }
     return result;
@@ -150,6 +152,33 @@ class ChartGrower {
     const double min_cosine = cosine_of(options_.merge_cone_angle);
     return std::all_of(faces.begin(), faces.end(),
                        [&](std::uint32_t f) { return graph_.normal[f].dot(chart.axis) >= min_cosine; });
+  }
+
+  // Faces with two edges on one other chart move there: they would leave narrow notches, at whose ends
+  // conformal maps overlap. The face is a leaf of its chart, which so stays connected.
+  bool smooth_borders() {
+    const double min_cosine = cosine_of(options_.merge_cone_angle);
+    bool moved = false;
+    for (std::uint32_t f = 0; f < graph_.size(); ++f) {
+      const auto& around = graph_.neighbour[f];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t a = around[k];
+        const std::uint32_t b = around[(k + 1) % 3];
+        if (a == kInvalidIndex || b == kInvalidIndex || chart_of_[a] != chart_of_[b]) continue;
+        const std::uint32_t target = chart_of_[a];
+        if (target == chart_of_[f] || !(graph_.normal[f].dot(charts_[target].axis) >= min_cosine)) continue;
+        chart_of_[f] = target;
+        moved = true;
+        break;
+      }
+    }
+    return moved;
+  }
+
+  // From `chart_of_`, in rising order.
+  void collect_faces() {
+    for (Chart& chart : charts_) chart.faces.clear();
+    for (std::uint32_t f = 0; f < graph_.size(); ++f) charts_[chart_of_[f]].faces.push_back(f);
   }
 
   void merge(std::uint32_t from, std::uint32_t into) {

@@ -43,15 +43,6 @@ void join_corners(ChartMesh& chart, const CornerPosition& corner_position) {
 
 }  // namespace
 
-int ChartMesh::euler_characteristic() const {
-  std::size_t halfedges_inside = 0;
-  for (const auto& around : neighbours) {
-    for (const std::uint32_t n : around) halfedges_inside += n != kInvalidIndex ? 1 : 0;
-  }
-  const std::size_t edges = 3 * size() - halfedges_inside / 2;
-  return static_cast<int>(positions.size()) - static_cast<int>(edges) + static_cast<int>(size());
-}
-
 bool ChartMesh::has_boundary() const {
   return std::any_of(neighbours.begin(), neighbours.end(), [](const auto& around) {
     return std::find(around.begin(), around.end(), kInvalidIndex) != around.end();
@@ -65,9 +56,14 @@ ChartMesh make_chart_mesh(const SurfaceMesh& mesh, const FaceGraph& graph,
   chart.source.assign(faces.begin(), faces.end());
   for (std::uint32_t i = 0; i < faces.size(); ++i) local[faces[i]] = i;
   for (const std::uint32_t f : faces) {
-    auto& around = chart.neighbours.emplace_back(graph.neighbour[f]);
-    for (std::uint32_t& n : around) {
-      if (n != kInvalidIndex) n = chart_of[n] == chart_of[f] ? local[n] : kInvalidIndex;
+    auto& around = chart.neighbours.emplace_back();
+    auto& smooth = chart.smooth.emplace_back();
+    for (int k = 0; k < 3; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      const std::uint32_t n = mesh.neighbour(f, k);
+      const bool inside = n != kInvalidIndex && chart_of[n] == chart_of[f];
+      around[i] = inside ? local[n] : kInvalidIndex;
+      smooth[i] = inside && graph.neighbour[f][i] != kInvalidIndex;
     }
   }
   join_corners(chart, [&](std::size_t f, std::size_t k) {
@@ -77,13 +73,11 @@ ChartMesh make_chart_mesh(const SurfaceMesh& mesh, const FaceGraph& graph,
 }
 
 std::vector<ChartMesh> cut_chart(const ChartMesh& chart, std::span<const std::uint32_t> label) {
-  const auto joined = [&](std::uint32_t f, std::uint32_t n) {
-    return n != kInvalidIndex && label[n] == label[f];
-  };
   DisjointSets sets(chart.size());
   for (std::uint32_t f = 0; f < chart.size(); ++f) {
-    for (const std::uint32_t n : chart.neighbours[f]) {
-      if (joined(f, n)) sets.unite(f, n);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t n = chart.neighbours[f][k];
+      if (chart.smooth[f][k] && label[n] == label[f]) sets.unite(f, n);
     }
   }
   const std::vector<std::uint32_t> part_of = sets.labels();
@@ -99,7 +93,12 @@ std::vector<ChartMesh> cut_chart(const ChartMesh& chart, std::span<const std::ui
     for (const std::uint32_t f : members[p]) {
       parts[p].source.push_back(chart.source[f]);
       auto& around = parts[p].neighbours.emplace_back(chart.neighbours[f]);
-      for (std::uint32_t& n : around) n = joined(f, n) ? local[n] : kInvalidIndex;
+      auto& smooth = parts[p].smooth.emplace_back(chart.smooth[f]);
+      for (std::size_t k = 0; k < 3; ++k) {
+        const bool inside = around[k] != kInvalidIndex && part_of[around[k]] == p;
+        around[k] = inside ? local[around[k]] : kInvalidIndex;
+        smooth[k] = smooth[k] && inside;
+      }
     }
     join_corners(parts[p], [&](std::size_t f, std::size_t k) {
       return chart.positions[chart.triangles[members[p][f]][k]];

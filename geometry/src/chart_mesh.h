@@ -12,12 +12,14 @@
 namespace vrc {
 
 /// The faces of one chart as a mesh of their own, an oriented manifold with boundary. Corners share a
-/// vertex where their faces are joined over an edge inside the chart, so a crease that ends in the
-/// chart slits it open. Indices are local to the chart except for `source`.
+/// vertex where their faces are joined over an edge inside the chart. The faces are connected over
+/// smooth edges; a crease that ends inside the chart does not slit it, because conformal maps overlap
+/// at slits. Indices are local to the chart except for `source`.
 struct ChartMesh {
   std::vector<std::uint32_t> source;  ///< Per face: its number in the SurfaceMesh.
   std::vector<Triangle> triangles;
   std::vector<std::array<std::uint32_t, 3>> neighbours;  ///< Across edge k, or kInvalidIndex.
+  std::vector<std::array<bool, 3>> smooth;  ///< Whether edge k is inside the chart and no crease.
   std::vector<Vec3> positions;  ///< Per vertex, relative to the first one.
 
   [[nodiscard]] std::size_t size() const { return triangles.size(); }
@@ -30,8 +32,6 @@ struct ChartMesh {
     const auto [a, b, c] = corners(face);
     return (b - a).cross(c - a);
   }
-  /// Vertices - edges + faces: 2 - 2 genus - boundary loops for a connected chart.
-  [[nodiscard]] int euler_characteristic() const;
   [[nodiscard]] bool has_boundary() const;
 };
 

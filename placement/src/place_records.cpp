@@ -17,10 +17,8 @@ namespace {
 
 constexpr int kPilotStride = 32;          // pixels between the first records
 constexpr int kLog2PilotRays = 10;
-constexpr int kFewestLog2Rays = 10;
-constexpr int kMostLog2Rays = 15;
 constexpr double kNoiseShare = 1.0;       // of the accepted error: a record's own noise
-constexpr double kConvergence = 1.1;      // variance falls as rays^-1.1
+constexpr double kNoiseLimit = 2.5;       // of the accepted error: beyond this a record is gathered again
 constexpr std::size_t kSmallestRound = 32;
 constexpr std::size_t kRoundShare = 8;    // a round makes at most 1/8 of the records so far
 constexpr int kSampleRounds = 6;          // passes over the samples that pixel centres miss
@@ -65,7 +63,7 @@ class ImagePlacement {
     std::vector<RadianceRecord> made(sites.size());
     std::vector<RayCounts> counts(sites.size());
     parallel_for(sites.size(), [&](std::size_t i) {
-      if (!control_.stopped()) made[i] = make_record(scene_, sites[i], gather_, counts[i]);
+      if (!control_.stopped()) made[i] = make_record(scene_, sites[i], gather_, noise_goal_, counts[i]);
     });
     if (control_.stopped()) {
       result_.unfinished = true;
@@ -100,6 +98,7 @@ class ImagePlacement {
         result_.records.empty() ? 1.0 : std::max(sum / static_cast<double>(result_.records.size()), 1e-30);
     gather_.log2_rays = options_.gather_rays > 0 ? log2_ceiling(options_.gather_rays) : rays_for_noise();
     result_.log2_rays = gather_.log2_rays;
+    if (options_.gather_rays == 0) noise_goal_ = {kNoiseLimit * accepted_error(), rule_.mean_luminance};
     result_.records.clear();
   }
 
@@ -118,9 +117,7 @@ class ImagePlacement {
     if (noise.empty()) return kFewestLog2Rays;
     const auto middle = noise.begin() + static_cast<std::ptrdiff_t>(noise.size() / 2);
     std::ranges::nth_element(noise, middle);
-    const double wanted = kNoiseShare * accepted_error();
-    const double doublings = 2.0 / kConvergence * std::log2(std::max(*middle / wanted, 1e-9));
-    return std::clamp(kLog2PilotRays + static_cast<int>(std::lround(doublings)), kFewestLog2Rays, kMostLog2Rays);
+    return log2_rays_for(kLog2PilotRays, *middle, kNoiseShare * accepted_error());
   }
 
   /// With a wanted number of records the error is unknown: the default's noise is aimed at.
@@ -235,6 +232,7 @@ class ImagePlacement {
   PlacementResult result_;
   PixelGrid grid_;
   GatherOptions gather_;
+  NoiseGoal noise_goal_;
   RegionRule rule_;
 };
 

@@ -111,7 +111,13 @@ void set_radiance(RadianceRecord& record, const std::array<Jet2, 3>& jets, doubl
   }
 }
 
-RadianceRecord make_record(const Scene& scene, const RecordSite& site, const GatherOptions& gather, RayCounts& counts) {
+int log2_rays_for(int log2_rays, double deviation, double wanted) {
+  const double doublings = 2.0 / kVarianceConvergence * std::log2(std::max(deviation / wanted, 1e-9));
+  return std::clamp(log2_rays + static_cast<int>(std::lround(doublings)), kFewestLog2Rays, kMostLog2Rays);
+}
+
+RadianceRecord make_record(const Scene& scene, const RecordSite& site, const GatherOptions& gather,
+                           const NoiseGoal& goal, RayCounts& counts) {
   RadianceRecord record;
   record.site = site;
   record.estimate = gather_radiance(scene, site, gather, counts);
@@ -120,6 +126,13 @@ RadianceRecord make_record(const Scene& scene, const RecordSite& site, const Gat
       record.site = make_site(scene, *moved, site.key);
       record.estimate = gather_radiance(scene, record.site, gather, counts);
     }
+  }
+  if (goal.relative > 0.0) {
+    const double deviation = std::sqrt(record.estimate.variance.value);
+    const double wanted = goal.relative * perceived(record.estimate.luminance.value, goal.mean_luminance);
+    GatherOptions more = gather;
+    more.log2_rays = log2_rays_for(gather.log2_rays, deviation, wanted);
+    if (more.log2_rays > gather.log2_rays) record.estimate = gather_radiance(scene, record.site, more, counts);
   }
   return record;
 }

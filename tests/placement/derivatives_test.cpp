@@ -9,13 +9,27 @@
 namespace vrc {
 namespace {
 
-constexpr int kLog2Rays = 17;
-constexpr double kStepShare = 0.01;  // of the scene's radius
+constexpr int kLog2Rays = 16;
+constexpr int kGathers = 8;          // A converged estimate is the mean of this many.
+constexpr double kStepShare = 0.03;  // of the scene's radius
+
+/// The mean of gathers of independent seeds.
+Jet2 converged(const Scene& scene, const RecordSite& site, std::uint64_t first_seed,
+               bool glossy_glossy = true) {
+  Jet2 sum;
+  for (std::uint64_t seed = first_seed; seed < first_seed + kGathers; ++seed) {
+    const Jet2 j = test::gather(scene, site, kLog2Rays, seed, glossy_glossy).luminance;
+    sum.value += j.value / kGathers;
+    sum.gradient += j.gradient / kGathers;
+    sum.hessian += j.hessian / kGathers;
+  }
+  return sum;
+}
 
 /// Central differences of luminance in the tangent plane with the given step.
 Jet2 differences(const Scene& scene, const RecordSite& site, double h) {
   const auto at = [&](double x, double y) {
-    return test::gather(scene, test::displaced(scene, site, h * Vec2(x, y)), kLog2Rays, 7).luminance.value;
+    return converged(scene, test::displaced(scene, site, h * Vec2(x, y)), 7).value;
   };
   const double center = at(0, 0), right = at(1, 0), left = at(-1, 0), up = at(0, 1), down = at(0, -1);
   Jet2 j;
@@ -46,7 +60,7 @@ RelativeError relative_error(const Scene& scene, const std::vector<RecordSite>& 
                              const std::vector<Jet2>& truth, bool glossy_glossy) {
   double g_error = 0.0, g_truth = 0.0, h_error = 0.0, h_truth = 0.0;
   for (std::size_t i = 0; i < sites.size(); ++i) {
-    const Jet2 estimate = test::gather(scene, sites[i], kLog2Rays, 11, glossy_glossy).luminance;
+    const Jet2 estimate = converged(scene, sites[i], 100, glossy_glossy);
     g_error += (estimate.gradient - truth[i].gradient).squaredNorm();
     g_truth += truth[i].gradient.squaredNorm();
     h_error += (estimate.hessian - truth[i].hessian).squaredNorm();
@@ -55,7 +69,8 @@ RelativeError relative_error(const Scene& scene, const std::vector<RecordSite>& 
   return {std::sqrt(g_error / g_truth), std::sqrt(h_error / h_truth)};
 }
 
-void expect_glossy_glossy_term_to_matter(const std::string& scene_name, const std::vector<Vec2>& film_shares) {
+void expect_glossy_glossy_term_to_matter(const std::string& scene_name,
+                                         const std::vector<Vec2>& film_shares) {
   const Scene scene = test::load_scene(scene_name, 256, 256);
   const std::vector<RecordSite> sites = test::sites_at(scene, film_shares);
   std::vector<Jet2> truth;
@@ -64,8 +79,8 @@ void expect_glossy_glossy_term_to_matter(const std::string& scene_name, const st
   EXPECT_LT(with.gradient, 0.05);
   EXPECT_LT(with.hessian, 0.15);
   const RelativeError without = relative_error(scene, sites, truth, false);
-  EXPECT_GT(without.gradient, 0.15);
-  EXPECT_GT(without.hessian, 0.45);
+  EXPECT_GT(without.gradient, 0.25);
+  EXPECT_GT(without.hessian, 0.5);
   testing::Test::RecordProperty("gradient", std::to_string(with.gradient));
   testing::Test::RecordProperty("hessian", std::to_string(with.hessian));
   testing::Test::RecordProperty("gradient_without", std::to_string(without.gradient));
@@ -73,15 +88,25 @@ void expect_glossy_glossy_term_to_matter(const std::string& scene_name, const st
 }
 
 TEST(RadianceDerivatives, MatchFiniteDifferencesInTheHalfBox) {
-  expect_glossy_glossy_term_to_matter(
-      "half_box.xml", {{0.30, 0.35}, {0.38, 0.60}, {0.25, 0.50}, {0.65, 0.35}, {0.70, 0.50}, {0.50, 0.75},
-                       {0.45, 0.80}, {0.58, 0.70}, {0.62, 0.45}, {0.35, 0.42}});
+  expect_glossy_glossy_term_to_matter("half_box.xml", {{0.9375, 0.5},
+                                                       {0.125, 0.4375},
+                                                       {0.1875, 0.4375},
+                                                       {0.0625, 0.4375},
+                                                       {0.25, 0.5},
+                                                       {0.7, 0.5},
+                                                       {0.75, 0.375},
+                                                       {0.8125, 0.375}});
 }
 
 TEST(RadianceDerivatives, MatchFiniteDifferencesOnTheGlossyFloor) {
-  expect_glossy_glossy_term_to_matter(
-      "glossy_pair.xml", {{0.5, 0.5}, {0.4, 0.45}, {0.6, 0.45}, {0.45, 0.6}, {0.55, 0.6}, {0.5, 0.4}, {0.35, 0.55},
-                          {0.65, 0.55}});
+  expect_glossy_glossy_term_to_matter("glossy_pair.xml", {{0.5, 0.5},
+                                                          {0.4, 0.45},
+                                                          {0.6, 0.45},
+                                                          {0.45, 0.6},
+                                                          {0.55, 0.6},
+                                                          {0.5, 0.4},
+                                                          {0.35, 0.55},
+                                                          {0.65, 0.55}});
 }
 
 }  // namespace

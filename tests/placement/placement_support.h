@@ -25,10 +25,12 @@ inline Scene load_scene(const std::string& name, int width, int height) {
 inline std::optional<SurfacePoint> seen_at(const Scene& scene, double film_x, double film_y) {
   I16 first{};
   first[0] = -1;
-  const Ray16 ray = {splat3(scene.camera().origin), splat3(scene.camera().direction(film_x, film_y)), splat(1e17f)};
+  const Ray16 ray = {splat3(scene.camera().origin), splat3(scene.camera().direction(film_x, film_y)),
+                     splat(1e17f)};
   const SurfacePoint16 p = scene.intersect(first, ray, RayTracer::Coherence::kIncoherent);
   if (p.scatters[0] == 0) return std::nullopt;
-  return scene.surface_point(static_cast<std::uint32_t>(p.triangle[0]), p.u[0], p.v[0], scene.camera().origin);
+  return scene.surface_point(static_cast<std::uint32_t>(p.triangle[0]), p.u[0], p.v[0],
+                             scene.camera().origin);
 }
 
 /// Sites at given film positions, as shares of the film's size; all must see a surface.

@@ -58,10 +58,12 @@ struct AtlasQuality {
   std::array<std::size_t, kChartMethods> faces_by_method{};
 };
 
-/// Charts that together hold every face of a mesh once. No chart crosses a crease.
+/// Charts that together hold every face of a mesh once. The faces of a chart are connected over smooth
+/// edges, so no chart reaches across a crease except around its end.
 ///
-/// (u, v) are world lengths, local to each patch, continuous over the smooth edges inside it, and
-/// counter-clockwise like the faces. No two faces of a patch overlap in (u, v).
+/// (u, v) are world lengths, local to each patch, continuous over the edges inside it (also those of a
+/// crease that ends in it), and counter-clockwise like the faces. No two faces of a patch overlap in
+/// (u, v).
 ///
 /// Refers to the mesh, which must outlive it. Immutable.
 class PatchAtlas {

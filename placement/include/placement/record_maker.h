@@ -29,9 +29,23 @@ void shape_record(RadianceRecord& record, const RegionRule& rule);
 /// changes the radiance by more than `perceived` over the region.
 void set_radiance(RadianceRecord& record, const std::array<Jet2, 3>& jets, double mean_luminance);
 
+/// How noisy a record may be before it is gathered again with more rays.
+struct NoiseGoal {
+  double relative = 0.0;        ///< Standard deviation over `perceived` luminance; 0: never again.
+  double mean_luminance = 1.0;
+};
+
 /// Gathers at the site. A site closer than half a pixel to the nearest hit (in a crease) is moved
-/// half a pixel away from it first, along its surface, and gathered again.
+/// half a pixel away from it first, along its surface, and gathered again; so is a record that
+/// misses the noise goal, with the rays that its variance asks for.
 [[nodiscard]] RadianceRecord make_record(const Scene& scene, const RecordSite& site, const GatherOptions& gather,
-                                         RayCounts& counts);
+                                         const NoiseGoal& goal, RayCounts& counts);
+
+inline constexpr double kVarianceConvergence = 1.1;  ///< Variance falls as rays^-1.1 with Sobol points.
+inline constexpr int kFewestLog2Rays = 10;
+inline constexpr int kMostLog2Rays = 16;
+
+/// log2 of the rays that bring a deviation measured with 2^log2_rays down to a wanted one.
+[[nodiscard]] int log2_rays_for(int log2_rays, double deviation, double wanted);
 
 }  // namespace vrc
