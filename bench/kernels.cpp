@@ -16,6 +16,7 @@ namespace vrc {
 namespace {
 
 constexpr int kSize = 256;
+constexpr PacketRange kAllPackets = {0, 1};  // Sixteen samples a pixel.
 
 /// The scene and one picture's samples, made once.
 struct Fixture {
@@ -75,7 +76,8 @@ void primary_rays(benchmark::State& state) {
   RayCounts counts;
   std::size_t next = 0;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(trace_tile(f.scene, f.film, f.layout, next++ % f.layout.count(), counts));
+    benchmark::DoNotOptimize(
+        trace_tile(f.scene, f.film, f.layout, next++ % f.layout.count(), {0, 1}, counts));
   }
   state.SetItemsProcessed(static_cast<std::int64_t>(counts.camera));
 }
@@ -89,7 +91,7 @@ void interpolate_samples(benchmark::State& state) {
   const PlacementView view = {0, 0, kSize, kSize, &f.film};
   const RadianceCache cache(place_records(f.scene, view, options, 1, 1, {}).records, kWideSupport);
   RayCounts counts;
-  const Tile tile = trace_tile(f.scene, f.film, f.layout, f.layout.count() / 2, counts);
+  const Tile tile = trace_tile(f.scene, f.film, f.layout, f.layout.count() / 2, {0, 1}, counts);
   for (auto _ : state) {
     const TileRecords records(cache, tile);
     for (const SurfacePoint16& p : tile.points) benchmark::DoNotOptimize(interpolate(records, p, 2));
@@ -102,7 +104,7 @@ void path_samples(benchmark::State& state) {
   const Fixture& f = fixture();
   RayCounts counts;
   const PathOptions options = {static_cast<int>(state.range(0)), true, false};
-  const Tile tile = trace_tile(f.scene, f.film, f.layout, f.layout.count() / 2, counts);
+  const Tile tile = trace_tile(f.scene, f.film, f.layout, f.layout.count() / 2, {0, 1}, counts);
   for (auto _ : state) {
     for (std::size_t i = 0; i < tile.points.size(); ++i) {
       const CameraPacket& packet = tile.packets[i];

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
-# Flags of every target of ours. GCC 12 reports Eigen's fixed-size vectors as maybe uninitialised.
+# Flags of every target of ours. GCC 12 misreads Eigen's
+# vectorised fixed-size vectors as uninitialised or overrun.
 add_library(vrc_flags INTERFACE)
 target_compile_options(vrc_flags INTERFACE
   -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wunused -Woverloaded-virtual
-  -Wconversion -Wno-sign-conversion -Wno-psabi -Wno-maybe-uninitialized
+  -Wconversion -Wno-sign-conversion -Wno-psabi -Wno-maybe-uninitialized -Wno-array-bounds
   -fno-math-errno -fno-trapping-math)
 if(VRC_WERROR)
   target_compile_options(vrc_flags INTERFACE -Werror)

@@ -69,12 +69,13 @@ RenderResult render_with_progress(const Scene& scene, const RenderOptions& optio
   return render(scene, options, control);
 }
 
-/// What decides the pixels; nothing of the machine or the number of threads, so that equal pictures
-/// are equal files.
+/// Where the picture comes from. The pixels do not depend on threads or time; this header may.
 ImageMetadata metadata_of(const RunReport& report) {
   ImageMetadata metadata{
       {"vrc:version", std::string(kVersion)},
       {"vrc:scene", report.scene},
+      {"vrc:command_line", report.command_line},
+      {"vrc:seconds", fmt::format("{:.3f}", report.render_seconds)},
       {"vrc:method", std::string(name_of(report.options.method))},
       {"vrc:only", std::string(name_of(report.options.only))},
       {"vrc:bounces", std::to_string(report.options.bounces)},

@@ -113,16 +113,21 @@ void declare_scene(CLI::App& command, RenderArguments& arguments) {
       return (target = parse_vec3(text)).has_value();
     })->group("Scene");
   };
-  command.add_option("-D,--define", "Set a parameter of the scene file; may be repeated")
+  command
+      .add_option_function<std::vector<std::string>>(
+          "-D,--define",
+          [&scene](const std::vector<std::string>& definitions) {
+            for (const std::string& text : definitions) {
+              const std::size_t equals = text.find('=');
+              if (equals == 0 || equals == std::string::npos) {
+                throw CLI::ValidationError("--define", fmt::format("'{}' is not of the form NAME=VALUE", text));
+              }
+              scene.defines[text.substr(0, equals)] = text.substr(equals + 1);
+            }
+          },
+          "Set a parameter of the scene file; may be repeated")
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false)
-      ->each([&scene](const std::string& text) {
-        const std::size_t equals = text.find('=');
-        if (equals == 0 || equals == std::string::npos) {
-          throw CLI::ValidationError("--define", fmt::format("'{}' is not of the form NAME=VALUE", text));
-        }
-        scene.defines[text.substr(0, equals)] = text.substr(equals + 1);
-      })
       ->group("Scene");
   command.add_flag("--lenient", scene.lenient, "Warn about what is not understood instead of stopping")
       ->group("Scene");

@@ -170,15 +170,23 @@ class ImagePlacement {
     std::uint64_t key;
   };
 
+  using TakenBlocks = std::array<bool, (kTileSize / 2) * (kTileSize / 2)>;
+
   /// Samples of a tile that no region reaches; at most one for each square of 2 x 2 pixels.
   [[nodiscard]] std::vector<OpenSample> open_samples(const RadianceCache& cache, const TileLayout& layout,
                                                      std::size_t index, RayCounts& counts) const {
-    const Tile tile = trace_tile(scene_, *view_.film, layout, index, counts);
-    const TileRecords records(cache, tile);
     std::vector<OpenSample> result;
-    std::array<bool, (kTileSize / 2) * (kTileSize / 2)> taken{};
-    const std::size_t per_pixel = static_cast<std::size_t>(view_.film->packets_per_pixel());
-    const std::size_t row = static_cast<std::size_t>(tile.x1 - tile.x0);
+    TakenBlocks taken{};
+    for_each_range(*view_.film, [&](const PacketRange& range) {
+      const Tile tile = trace_tile(scene_, *view_.film, layout, index, range, counts);
+      add_open_samples(TileRecords(cache, tile), tile, taken, result);
+    });
+    return result;
+  }
+
+  static void add_open_samples(const TileRecords& records, const Tile& tile, TakenBlocks& taken,
+                               std::vector<OpenSample>& result) {
+    const auto row = static_cast<std::size_t>(tile.x1 - tile.x0);
     for (std::size_t i = 0; i < tile.points.size(); ++i) {
       const SurfacePoint16& p = tile.points[i];
       I16 open = p.scatters;
@@ -187,7 +195,7 @@ class ImagePlacement {
                          [&](const PackedRecord&, const Coverage16& c) { open &= ~(c.weight > 0.0f); });
       }
       if (!any(open)) continue;
-      const std::size_t pixel = i / per_pixel;
+      const std::size_t pixel = i / static_cast<std::size_t>(tile.packets_per_pixel);
       bool& block = taken[(pixel / row / 2) * (kTileSize / 2) + (pixel % row) / 2];
       if (block) continue;
       block = true;
@@ -196,7 +204,6 @@ class ImagePlacement {
                                      std::bit_cast<std::uint32_t>(float{p.v[lane]}));
       result.push_back({static_cast<std::uint32_t>(p.triangle[lane]), p.u[lane], p.v[lane], key});
     }
-    return result;
   }
 
   /// Slivers between pixel centres: what no region reaches even when widened gets records.

@@ -6,18 +6,24 @@
 
 namespace vrc {
 
-Tile trace_tile(const Scene& scene, const FilmSampler& film, const TileLayout& layout, std::size_t index,
-                RayCounts& counts) {
+Tile empty_tile(const TileLayout& layout, std::size_t index) {
   Tile tile;
   const int column = static_cast<int>(index) % layout.columns(), row = static_cast<int>(index) / layout.columns();
   tile.x0 = layout.x0 + column * kTileSize;
   tile.y0 = layout.y0 + row * kTileSize;
   tile.x1 = std::min(tile.x0 + kTileSize, layout.x1);
   tile.y1 = std::min(tile.y0 + kTileSize, layout.y1);
+  return tile;
+}
+
+Tile trace_tile(const Scene& scene, const FilmSampler& film, const TileLayout& layout, std::size_t index,
+                const PacketRange& range, RayCounts& counts) {
+  Tile tile = empty_tile(layout, index);
+  tile.packets_per_pixel = range.count;
   for (int y = tile.y0; y < tile.y1; ++y) {
     for (int x = tile.x0; x < tile.x1; ++x) {
-      for (int k = 0; k < film.packets_per_pixel(); ++k) {
-        tile.packets.push_back(film.packet(x, y, k));
+      for (int k = 0; k < range.count; ++k) {
+        tile.packets.push_back(film.packet(x, y, range.first + k));
         const CameraPacket& packet = tile.packets.back();
         tile.points.push_back(scene.intersect(packet.active, film.ray(packet), RayTracer::Coherence::kCoherent));
         counts.camera += lane_count(packet.active);

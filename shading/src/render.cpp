@@ -47,7 +47,7 @@ class Renderer {
     layout_ = {window.x0, window.y0, window.x1, window.y1};
     wants_direct_ = options.only != Component::kIndirect;
     wants_indirect_ = options.only != Component::kDirect && options.method != Method::kDirect && options.bounces != 0;
-    light_samples_ = options.light_samples > 0                    ? options.light_samples
+    light_samples_ = options.light_samples > 0          ? options.light_samples
                      : options.method == Method::kCache ? kDirectSamplesWithCache
                                                         : 1;
   }
@@ -60,6 +60,7 @@ class Renderer {
     std::vector<RayCounts> counts(layout_.count());
     std::atomic<std::size_t> done{0};
     std::mutex reporting;
+    control_.report({"render", 0.0, 0, 0});
     parallel_for(layout_.count(), [&](std::size_t i) {
       if (!control_.stopped()) render_tile(i, result.image, counts[i]);
       const std::size_t finished = done.fetch_add(1) + 1;
@@ -90,18 +91,22 @@ class Renderer {
   }
 
   void render_tile(std::size_t index, Image& image, RayCounts& counts) const {
-    const Tile tile = trace_tile(scene_, film_, layout_, index, counts);
-    std::optional<TileRecords> records;
-    if (cache_) records.emplace(*cache_, tile);
-    std::size_t packet = 0;
-    for (int y = tile.y0; y < tile.y1; ++y) {
-      for (int x = tile.x0; x < tile.x1; ++x) {
-        float* pixel = image.pixel(x, y);
-        for (int k = 0; k < film_.packets_per_pixel(); ++k, ++packet) {
-          shade(tile.packets[packet], tile.points[packet], records ? &*records : nullptr, pixel, counts);
+    for_each_range(film_, [&](const PacketRange& range) {
+      const Tile tile = trace_tile(scene_, film_, layout_, index, range, counts);
+      std::optional<TileRecords> records;
+      if (cache_) records.emplace(*cache_, tile);
+      std::size_t packet = 0;
+      for (int y = tile.y0; y < tile.y1; ++y) {
+        for (int x = tile.x0; x < tile.x1; ++x) {
+          for (int k = 0; k < range.count && !control_.stopped(); ++k, ++packet) {
+            shade(tile.packets[packet], tile.points[packet], records ? &*records : nullptr, image.pixel(x, y), counts);
+          }
         }
-        finish_pixel(pixel);
       }
+    });
+    const Tile pixels = empty_tile(layout_, index);
+    for (int y = pixels.y0; y < pixels.y1; ++y) {
+      for (int x = pixels.x0; x < pixels.x1; ++x) finish_pixel(image.pixel(x, y));
     }
   }
 

@@ -222,7 +222,7 @@ INSTANTIATE_TEST_SUITE_P(Lobes, LobeJets,
                                            JetCase{GgxLobe{Rgb::Ones(), 0.5f}, 0.5, 1.5},
                                            JetCase{GgxLobe{Rgb::Ones(), 0.14f}, 0.14, 0.7},
                                            JetCase{GgxLobe{Rgb::Ones(), 0.06f}, 0.06, 0.3}),
-                         [](const auto& info) { return print(info.param); });
+                         [](const auto& test) { return print(test.param); });
 
 TEST(MovingPoint, ValuesAreTheProductsOfTheVectors) {
   Configs configs(23);

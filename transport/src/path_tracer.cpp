@@ -8,9 +8,10 @@ namespace {
 constexpr int kRouletteDepth = 4;
 constexpr int kUnboundedDepth = 4096;  // Russian roulette ends paths long before
 
+/// Weight of a sample of density a > 0. The quotient is squared: squares of densities overflow.
 F16 power_heuristic(F16 a, F16 b) {
-  const F16 a2 = a * a;
-  return a2 / max(a2 + b * b, 1e-37f);
+  const F16 quotient = b / a;
+  return 1.0f / (1.0f + quotient * quotient);
 }
 
 /// Light from one sampled light at p, weighted against BSDF sampling.
@@ -22,8 +23,7 @@ V3x16 sampled_light(const Scene& scene, const SurfacePoint16& p, const V3x16& wo
   const BsdfValue16 bsdf = evaluate_bsdf(scene.bsdfs(), candidate, p.material, directions(p.normal, wo, light.direction));
   const I16 useful = candidate & (luminance(bsdf.f_cos) > 0.0f);
   if (!any(useful)) return V3x16{};
-  const Ray16 ray = {scene.lifted(p), light.direction, light.distance * (1.0f - 1e-4f) - scene.ray_offset()};
-  const I16 blocked = scene.tracer().occluded(useful, ray, RayTracer::Coherence::kCoherent);
+  const I16 blocked = scene.tracer().occluded(useful, scene.shadow_ray(p, light), RayTracer::Coherence::kCoherent);
   counts.shadow += lane_count(useful);
   const F16 weight = select(light.pdf > 0.0f, power_heuristic(light.pdf, bsdf.pdf), splat(1.0f));
   return select(useful & ~blocked, light.radiance * bsdf.f_cos * weight, V3x16{});

@@ -147,6 +147,13 @@ SurfacePoint16 Scene::intersect(I16 active, const Ray16& ray, RayTracer::Coheren
   return p;
 }
 
+Ray16 Scene::shadow_ray(const SurfacePoint16& p, const LightSample16& light) const {
+  const V3x16 origin = lifted(p);
+  // Towards the sampled point itself: a parallel ray would meet a close light before its end.
+  const V3x16 to_light = p.position + light.direction * light.distance - origin;
+  return {origin, to_light, (1.0f - 1e-4f) - ray_offset() / max(light.distance, 1e-30f)};
+}
+
 SurfacePoint Scene::surface_point(std::uint32_t triangle, float u, float v, const Vec3& viewer) const {
   const SceneTriangle& t = triangles_[triangle];
   const Vec3* c = corners_.data() + 3 * static_cast<std::size_t>(triangle);

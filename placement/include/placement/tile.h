@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "placement/radiance_cache.h"
@@ -10,9 +11,18 @@ namespace vrc {
 
 inline constexpr int kTileSize = 16;
 
-/// The camera samples of a square of pixels: packet k of pixel p is entry p * packets_per_pixel + k.
+/// A run of packets of every pixel, so that memory does not grow with the samples per pixel.
+struct PacketRange {
+  int first = 0;
+  int count = 1;
+};
+inline constexpr int kPacketsAtOnce = 4;
+
+/// The camera samples of a square of pixels: packet k of the range of pixel p is entry
+/// p * packets_per_pixel + k.
 struct Tile {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  int packets_per_pixel = 1;           ///< In this tile: the length of its range.
   std::vector<CameraPacket> packets;
   std::vector<SurfacePoint16> points;  ///< Parallel to `packets`.
 };
@@ -26,9 +36,18 @@ struct TileLayout {
   [[nodiscard]] std::size_t count() const { return static_cast<std::size_t>(columns()) * static_cast<std::size_t>(rows()); }
 };
 
+/// Pixels of tile `index`, without samples.
+[[nodiscard]] Tile empty_tile(const TileLayout& layout, std::size_t index);
 /// Traces the camera rays of tile `index`.
 [[nodiscard]] Tile trace_tile(const Scene& scene, const FilmSampler& film, const TileLayout& layout, std::size_t index,
-                              RayCounts& counts);
+                              const PacketRange& range, RayCounts& counts);
+/// Calls body(range) for runs of at most kPacketsAtOnce packets that make up all of a pixel's.
+template <typename Body>
+void for_each_range(const FilmSampler& film, const Body& body) {
+  for (int first = 0; first < film.packets_per_pixel(); first += kPacketsAtOnce) {
+    body(PacketRange{first, std::min(kPacketsAtOnce, film.packets_per_pixel() - first)});
+  }
+}
 
 /// Finds the records that may reach the points of a tile, and for each packet those that do.
 class TileRecords {

@@ -66,6 +66,8 @@ class Scene {
 
   /// Origin of rays that leave a point: lifted off the surface, towards the viewer's side.
   [[nodiscard]] V3x16 lifted(const SurfacePoint16& p) const { return p.position + p.geometric_normal * ray_offset(); }
+  /// From the lifted point to just before the sampled point of a light.
+  [[nodiscard]] Ray16 shadow_ray(const SurfacePoint16& p, const LightSample16& light) const;
 
  private:
   void add_shape(const ShapeDescription& shape, std::vector<EmissiveTriangle>& lights, std::vector<float>& vertices);

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "placement/joint_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/parallel.h"
+#include "placement_support.h"
+#include "support.h"
+
+namespace vrc {
+namespace {
+
+constexpr double kSpacing = 0.03, kRadius = 0.04;
+constexpr int kSide = 14;
+
+/// A quadratic field on the xy plane, one for each channel, bright enough that no limit acts.
+Jet2 field(std::size_t channel, double x, double y) {
+  const double k = 1.0 + 0.3 * static_cast<double>(channel);
+  Jet2 j;
+  j.value = 3.0 + k * (0.7 * x - 0.4 * y + 0.5 * (2.0 * x * x + 1.2 * x * y - 3.0 * y * y));
+  j.gradient = k * Vec2(0.7 + 2.0 * x + 0.6 * y, -0.4 + 0.6 * x - 3.0 * y);
+  j.hessian << 2.0 * k, 0.6 * k, 0.6 * k, -3.0 * k;
+  return j;
+}
+
+/// Records on a jittered lattice whose gathered jets have the given deviations.
+std::vector<RadianceRecord> lattice(double value_deviation, double gradient_deviation,
+                                    double hessian_deviation) {
+  test::SeededBits bits(11);
+  // Uniform noise of unit variance.
+  const auto noise = [&](double deviation) { return deviation * std::sqrt(12.0) * (bits.uniform() - 0.5); };
+  std::vector<RadianceRecord> records;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    RadianceRecord record;
+    const Vec3 p(kSpacing * (i % kSide + 0.5 * bits.uniform()), kSpacing * (i / kSide + 0.5 * bits.uniform()),
+                 0.0);
+    record.site.point.position = p;
+    record.site.point.normal = Vec3::UnitZ();
+    record.site.frame = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+    record.site.pixel_length = 0.002;
+    record.estimate.nearest_hit = 1e9;
+    for (std::size_t c = 0; c < 3; ++c) {
+      Jet2& j = record.estimate.radiance[c] = field(c, p.x(), p.y());
+      j.value += noise(value_deviation);
+      j.gradient += Vec2(noise(gradient_deviation), noise(gradient_deviation));
+      j.hessian(0, 0) += noise(hessian_deviation);
+      j.hessian(1, 1) += noise(hessian_deviation);
+      j.hessian(0, 1) += noise(hessian_deviation);
+      j.hessian(1, 0) = j.hessian(0, 1);
+    }
+    record.estimate.luminance = record.estimate.radiance[1];
+    record.estimate.variance.value = value_deviation * value_deviation;
+    record.estimate.variance.gradient.setConstant(gradient_deviation * gradient_deviation);
+    record.estimate.variance.hessian.setConstant(hessian_deviation * hessian_deviation);
+    record.region = {p,       Vec3::UnitZ(), Vec3::UnitX(), Vec3::UnitY(),
+                     kRadius, kRadius,       kRadius,       std::cos(0.1)};
+    record.radiance = record.estimate.radiance;
+    records.push_back(record);
+  }
+  return records;
+}
+
+/// RMS deviation from the field over the region of the records: what a picture would show.
+double rms_error(const std::vector<RadianceRecord>& records) {
+  double sum = 0.0;
+  int count = 0;
+  for (const RadianceRecord& record : records) {
+    for (int i = 0; i < 9; ++i) {
+      const Vec2 d = 0.5 * kRadius * Vec2(i % 3 - 1, i / 3 - 1);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const Vec3& p = record.region.center;
+        const double e = record.radiance[c].extrapolate(d) - field(c, p.x() + d[0], p.y() + d[1]).value;
+        sum += e * e;
+        ++count;
+      }
+    }
+  }
+  return std::sqrt(sum / count);
+}
+
+RegionRule rule_with(const CacheOptions& options) {
+  RegionRule rule;
+  rule.options = &options;
+  rule.mean_luminance = 3.0;
+  return rule;
+}
+
+TEST(JointFit, LeavesNoiselessRecordsOfAQuadraticFieldUnchanged) {
+  const CacheOptions options;
+  std::vector<RadianceRecord> records = lattice(0, 0, 0);
+  const std::vector<RadianceRecord> before = records;
+  fit_jointly(records, rule_with(options));
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto expected = test::entries(before[i].radiance[c]),
+                 fitted = test::entries(records[i].radiance[c]);
+      for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(fitted[k], expected[k], 1e-8) << "entry " << k;
+    }
+    EXPECT_EQ(records[i].region.radius1, before[i].region.radius1);
+    EXPECT_EQ(test::entries(records[i].estimate.luminance), test::entries(before[i].estimate.luminance));
+  }
+}
+
+TEST(JointFit, LowersTheErrorOfNoisyRecords) {
+  const CacheOptions options;
+  struct Noise {
+    double value, gradient, hessian, least_gain;
+  };
+  for (const Noise& n :
+       {Noise{0.1, 0.5, 5.0, 1.5}, Noise{0.01, 3.0, 100.0, 2.0}, Noise{0.1, 5.0, 300.0, 1.5}}) {
+    std::vector<RadianceRecord> records = lattice(n.value, n.gradient, n.hessian);
+    const double before = rms_error(records);
+    fit_jointly(records, rule_with(options));
+    EXPECT_LT(rms_error(records), before / n.least_gain) << n.value << ' ' << n.gradient << ' ' << n.hessian;
+  }
+}
+
+TEST(JointFit, TakesNothingFromOtherSurfaces) {
+  const CacheOptions options;
+  std::vector<RadianceRecord> records = lattice(0.1, 1.0, 20.0);
+  std::vector<RadianceRecord> with_strangers = records;
+  for (RadianceRecord stranger : records) {
+    for (Jet2& j : stranger.estimate.radiance) j.value += 100.0;
+    stranger.site.point.region = 1;
+    with_strangers.push_back(stranger);
+    stranger.site.point.region = 0;
+    stranger.region.normal = Vec3(1, 0, 1).normalized();
+    with_strangers.push_back(stranger);
+  }
+  const std::size_t own = records.size();
+  fit_jointly(records, rule_with(options));
+  fit_jointly(with_strangers, rule_with(options));
+  for (std::size_t i = 0; i < own; ++i) {
+    EXPECT_EQ(test::entries(records[i].radiance[0]), test::entries(with_strangers[i].radiance[0]));
+  }
+}
+
+TEST(JointFit, IsTheSameAtAnyThreadCount) {
+  const CacheOptions options;
+  std::vector<RadianceRecord> one = lattice(0.1, 1.0, 20.0), two = one;
+  set_thread_count(1);
+  fit_jointly(one, rule_with(options));
+  set_thread_count(2);
+  fit_jointly(two, rule_with(options));
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(test::entries(one[i].radiance[2]), test::entries(two[i].radiance[2]));
+  }
+}
+
+}  // namespace
+}  // namespace vrc

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "placement/place_records.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "placement/tile.h"
+#include "placement_support.h"
+
+namespace vrc {
+namespace {
+
+/// A scene with the samples that its picture is made of.
+struct Picture {
+  Scene scene;
+  FilmSampler film{scene.camera(), scene.film(), 16, 1};
+  PlacementView view;
+
+  Picture(const std::string& name, int size)
+      : scene(test::load_scene(name, size, size)), view{0, 0, size, size, &film} {}
+  [[nodiscard]] PlacementResult place(const CacheOptions& options, const RunControl& control = {}) const {
+    return place_records(scene, view, options, 1, 1, control);
+  }
+};
+
+CacheOptions cheap(int records = 0) {
+  CacheOptions options;
+  options.gather_rays = 1024;
+  options.records = records;
+  return options;
+}
+
+/// Samples that lie in no region, however wide they are used.
+std::uint64_t uncovered_samples(const Picture& picture, const RadianceCache& cache) {
+  const TileLayout layout = {picture.view.x0, picture.view.y0, picture.view.x1, picture.view.y1};
+  std::uint64_t uncovered = 0;
+  RayCounts counts;
+  for (std::size_t i = 0; i < layout.count(); ++i) {
+    const Tile tile = trace_tile(picture.scene, picture.film, layout, i, {0, 1}, counts);
+    const TileRecords records(cache, tile);
+    for (const SurfacePoint16& p : tile.points) {
+      I16 open = p.scatters;
+      records.for_each(p, static_cast<float>(kWideSupport),
+                       [&](const PackedRecord&, const Coverage16& c) { open &= ~(c.weight > 0.0f); });
+      uncovered += lane_count(open);
+    }
+  }
+  return uncovered;
+}
+
+TEST(PlaceRecords, ReachesEverySampleOfThePicture) {
+  for (const char* name : {"half_box.xml", "cornell_glossy.xml"}) {
+    for (const double error : {0.02, 0.2}) {
+      const Picture picture(name, 64);
+      CacheOptions options = cheap();
+      options.error = error;
+      PlacementResult placed = picture.place(options);
+      EXPECT_FALSE(placed.unfinished);
+      EXPECT_GT(placed.records.size(), 20u);
+      const RadianceCache cache(std::move(placed.records), kWideSupport);
+      EXPECT_EQ(uncovered_samples(picture, cache), 0u) << name << ", error " << error;
+    }
+  }
+}
+
+TEST(PlaceRecords, MakesTheWantedNumberOfRecords) {
+  for (const char* name : {"half_box.xml", "cornell_glossy.xml"}) {
+    const Picture picture(name, 128);
+    for (const int wanted : {300, 1000}) {
+      const auto made = static_cast<double>(picture.place(cheap(wanted)).records.size());
+      EXPECT_NEAR(made, wanted, 0.05 * wanted) << name;
+    }
+  }
+}
+
+TEST(PlaceRecords, MakesMoreRecordsForASmallerError) {
+  const Picture picture("half_box.xml", 64);
+  std::size_t previous = 0;
+  for (const double error : {0.3, 0.1, 0.03}) {
+    CacheOptions options = cheap();
+    options.error = error;
+    const PlacementResult placed = picture.place(options);
+    EXPECT_GT(placed.records.size(), previous + previous / 4);
+    previous = placed.records.size();
+    EXPECT_GT(placed.counts.gather, 500u * previous);
+    EXPECT_GT(placed.mean_luminance, 0.0);
+  }
+}
+
+TEST(PlaceRecords, FillsTheirFieldsWithFiniteNumbers) {
+  const Picture picture("cornell_glossy.xml", 64);
+  for (const RadianceRecord& r : picture.place(cheap()).records) {
+    for (const Jet2& j : r.radiance) {
+      for (const double v : test::entries(j)) EXPECT_TRUE(std::isfinite(v));
+    }
+    EXPECT_GT(r.region.radius1, 0.0);
+    EXPECT_GT(r.region.radius2, 0.0);
+    EXPECT_GT(r.region.normal_radius, 0.0);
+    EXPECT_LE(r.clamp_factor, 1.0);
+    EXPECT_EQ(r.region.center, r.site.point.position);
+  }
+}
+
+TEST(PlaceRecords, IsTheSameAtAnyThreadCount) {
+  const Picture picture("cornell_glossy.xml", 64);
+  set_thread_count(1);
+  const PlacementResult one = picture.place(cheap());
+  set_thread_count(2);
+  const PlacementResult two = picture.place(cheap());
+  ASSERT_EQ(one.records.size(), two.records.size());
+  for (std::size_t i = 0; i < one.records.size(); ++i) {
+    EXPECT_EQ(one.records[i].site.key, two.records[i].site.key);
+    EXPECT_EQ(one.records[i].region.radius1, two.records[i].region.radius1);
+    EXPECT_EQ(test::entries(one.records[i].radiance[0]), test::entries(two.records[i].radiance[0]));
+  }
+}
+
+TEST(PlaceRecords, StopsWhenItIsAskedTo) {
+  const Picture picture("cornell_glossy.xml", 64);
+  std::atomic<bool> stop{false};
+  RunControl control;
+  control.stop = &stop;
+  control.progress = [&](const ProgressUpdate& update) {
+    if (update.records > 0) stop = true;
+  };
+  const PlacementResult placed = picture.place(cheap(), control);
+  EXPECT_TRUE(placed.unfinished);
+  const std::size_t all = picture.place(cheap()).records.size();
+  EXPECT_LT(placed.records.size(), all / 2);
+  EXPECT_GT(placed.records.size(), 0u);
+}
+
+TEST(PlaceRecords, MakesNoneWhereNothingReflects) {
+  SceneReadOptions read;
+  read.width = read.height = 32;
+  SceneDescription description = read_scene(VRC_SOURCE_DIR "/scenes/half_box.xml", read);
+  for (Material& material : description.materials) material.lobes.clear();
+  const Scene scene(description);
+  const FilmSampler film(scene.camera(), scene.film(), 16, 1);
+  const PlacementResult placed = place_records(scene, {0, 0, 32, 32, &film}, cheap(), 1, 1, {});
+  EXPECT_TRUE(placed.records.empty());
+  EXPECT_FALSE(placed.unfinished);
+}
+
+TEST(PlaceRecords, ManagesAPictureWithoutLight) {
+  SceneReadOptions read;
+  read.width = read.height = 32;
+  SceneDescription description = read_scene(VRC_SOURCE_DIR "/scenes/half_box.xml", read);
+  for (ShapeDescription& shape : description.shapes) shape.emission.clear();
+  const Scene scene(description);
+  const FilmSampler film(scene.camera(), scene.film(), 16, 1);
+  const PlacementResult placed = place_records(scene, {0, 0, 32, 32, &film}, cheap(), 1, 1, {});
+  EXPECT_FALSE(placed.records.empty());
+  for (const RadianceRecord& r : placed.records) {
+    for (const Jet2& j : r.radiance) EXPECT_EQ(j.value, 0.0);
+    EXPECT_TRUE(std::isfinite(r.region.radius1));
+  }
+}
+
+}  // namespace
+}  // namespace vrc
