@@ -182,8 +182,7 @@ class Gatherer {
     const I16 candidate = active & light.valid & (dot(light.direction, hit.geometric_normal) > 0.0f) &
                           (dot(light.direction, hit.normal) > 0.0f);
     if (!any(candidate)) return;
-    const Ray16 ray = {scene_.lifted(hit), light.direction, light.distance * (1.0f - 1e-4f) - scene_.ray_offset()};
-    const I16 blocked = scene_.tracer().occluded(candidate, ray, RayTracer::Coherence::kCoherent);
+    const I16 blocked = scene_.tracer().occluded(candidate, scene_.shadow_ray(hit, light), RayTracer::Coherence::kCoherent);
     counts_.shadow += lane_count(candidate);
     add_reflection(candidate & ~blocked, hit, direction, moving, light.direction, light.radiance, incident);
   }

@@ -106,7 +106,7 @@ void PixelGrid::cover(const ValidRegion& region, std::int32_t smooth_region) {
   const Vec3f center = region.center.cast<float>(), normal = region.normal.cast<float>();
   const Vec3f a = (region.axis1 / region.radius1).cast<float>(), b = (region.axis2 / region.radius2).cast<float>();
   const Vec3f c = (region.normal / region.normal_radius).cast<float>();
-  const auto cos_max = static_cast<float>(region.cos_max_deviation);
+  const auto inverse_deviation = static_cast<float>(1.0 / std::max(1.0 - region.cos_max_deviation, 1e-12));
   for (int y = rect.y0; y < rect.y1; ++y) {
     const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
     for (int x = rect.x0; x < rect.x1; ++x) {
@@ -114,7 +114,8 @@ void PixelGrid::cover(const ValidRegion& region, std::int32_t smooth_region) {
       if (p.region != smooth_region || covered_[row + static_cast<std::size_t>(x)]) continue;
       const Vec3f d = p.position - center;
       const float ka = d.dot(a), kb = d.dot(b), kc = d.dot(c);
-      if (ka * ka + kb * kb + kc * kc < 1.0f && p.normal.dot(normal) >= cos_max) {
+      const float turn = std::max(0.0f, 1.0f - p.normal.dot(normal)) * inverse_deviation;
+      if (ka * ka + kb * kb + kc * kc + turn < 1.0f) {
         covered_[row + static_cast<std::size_t>(x)] = 1;
       }
     }

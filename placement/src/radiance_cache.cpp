@@ -20,6 +20,7 @@ PackedRecord pack(const RadianceRecord& record) {
   p.radius1 = static_cast<float>(r.radius1);
   p.radius2 = static_cast<float>(r.radius2);
   p.cos_max_deviation = static_cast<float>(r.cos_max_deviation);
+  p.inverse_deviation = static_cast<float>(1.0 / std::max(1.0 - r.cos_max_deviation, 1e-12));
   p.reach = std::max(p.radius1, p.radius2);
   p.region = record.site.point.region;
   // Derivatives per unit of (a, b), the offsets divided by the radii: they have radiance's unit.
@@ -55,10 +56,11 @@ Coverage16 coverage(const PackedRecord& record, const V3x16& x, const V3x16& n, 
   c.b = dot(d, splat3(record.scaled2));
   const F16 along_normal = dot(d, splat3(record.scaled_normal));
   const F16 kr = dot(n, splat3(record.normal));
-  const F16 kt = sqrt(c.a * c.a + c.b * c.b + along_normal * along_normal) * (1.0f / support);
+  const F16 kt2 = (c.a * c.a + c.b * c.b + along_normal * along_normal) * (1.0f / (support * support));
+  const F16 k = sqrt(kt2 + max(1.0f - kr, 0.0f) * record.inverse_deviation);
   const F16 kr2 = kr * kr, kr4 = kr2 * kr2, kr8 = kr4 * kr4;
   const I16 applies = (region == record.region) & (kr >= record.cos_max_deviation);
-  c.weight = select(applies, max(1.0f - kt * kr, 0.0f) * (kr8 * kr8), F16{});
+  c.weight = select(applies, max(1.0f - k * kr, 0.0f) * (kr8 * kr8), F16{});
   return c;
 }
 

@@ -95,7 +95,7 @@ TEST(Lights, ConstantEnvironmentGivesPiTimesItsRadiance) {
 
 TEST(Lights, TriangleIrradianceIsLambertsFormula) {
   const EmissiveTriangle t = triangle({-1, -1, 2}, {0, 1, 2}, {1, -1, 2.5f}, Rgb::Constant(1.5f));
-  // E = L/2 sum over edges of the angle it spans times the cosine of its plane's normal [Lambert1760].
+  // E = L/2 sum over edges of the angle it spans times the cosine of its plane's normal.
   const Vec3 p[3] = {t.p0.cast<double>(), (t.p0 + t.e1).cast<double>(), (t.p0 + t.e2).cast<double>()};
   double sum = 0.0;
   for (int k = 0; k < 3; ++k) {

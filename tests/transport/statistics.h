@@ -147,8 +147,8 @@ inline ChiSquare chi_square_test(const std::vector<double>& counts, const std::v
   return result;
 }
 
-/// The significance of each of `tests` tests that together raise a false alarm with probability
-/// 0.001 [Sidak1967].
+/// The significance of each of `tests` tests that together raise a false alarm with
+/// probability 0.001 (Sidak).
 inline double sidak_level(int tests) { return 1.0 - std::pow(1.0 - 1e-3, 1.0 / tests); }
 
 /// A running mean with its standard error.

@@ -3,18 +3,32 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/error.h"
 #include "core/frame.h"
+#include "geometry/curvature.h"
 #include "geometry/surface_mesh.h"
 
 namespace vrc {
+
+struct Surface {
+  std::uint32_t first_triangle;
+  SurfaceMesh mesh;
+  std::optional<CurvatureField> curvature;  // none where every face is flat
+
+  Surface(std::uint32_t first, const PolygonSoup& soup, const SurfaceMeshOptions& options)
+      : first_triangle(first), mesh(soup, options) {}
+};
+
 namespace {
 
 constexpr float kMinimumCosine = 1e-3f;
 /// Interpolated normals closer than this to the geometric one are not worth interpolating.
 constexpr double kFlatCosine = 1.0 - 1e-9;
 
+/// Word indices of the triangle records are 32-bit.
+constexpr std::size_t kMaxTriangles = 100'000'000;
 constexpr int kWordsPerTriangle = sizeof(SceneTriangle) / sizeof(float);
 static_assert(sizeof(SceneTriangle) == 64);
 
@@ -56,6 +70,9 @@ Scene::Scene(const SceneDescription& description) : camera_(description.camera),
     add_shape(shape, emissive, vertices);
     bounds.extend(shape.soup.bounds());
   }
+  if (triangles_.size() > kMaxTriangles) {
+    throw InputError(description.source, 0, fmt::format("{} triangles are too many; {} is the most", triangles_.size(), kMaxTriangles));
+  }
   if (triangles_.empty()) throw InputError(description.source, 0, "the scene has no surfaces; add a shape");
   radius_ = 0.5 * bounds.diagonal().norm();
   if (!(radius_ > 0.0)) throw InputError(description.source, 0, "all surfaces lie in one point; check the scale");
@@ -70,7 +87,10 @@ void Scene::add_shape(const ShapeDescription& shape, std::vector<EmissiveTriangl
                       std::vector<float>& vertices) {
   SurfaceMeshOptions options;
   options.face_normals = shape.face_normals;
-  const SurfaceMesh mesh(shape.soup, options);
+  surfaces_.push_back(std::make_unique<Surface>(static_cast<std::uint32_t>(triangles_.size()), shape.soup, options));
+  Surface& surface = *surfaces_.back();
+  const SurfaceMesh& mesh = surface.mesh;
+  bool curved = false;
   for (std::size_t face = 0; face < mesh.face_count(); ++face) {
     const auto [p0, p1, p2] = mesh.positions(face);
     const Vec3 normal = mesh.face_normal(face);
@@ -95,16 +115,19 @@ void Scene::add_shape(const ShapeDescription& shape, std::vector<EmissiveTriangl
     for (int k = 0; k < 3; ++k) {
       const Vec3& n = mesh.corner_normal(face, k);
       if (n.dot(normal) < kFlatCosine) t.smooth = 1;
+      curved |= t.smooth != 0;
       for (int i = 0; i < 3; ++i) corner_normals_.push_back(static_cast<float>(n[i]));
     }
     for (const Vec3& p : {p0, p1, p2}) {
-      corners_.push_back(p);
       for (int i = 0; i < 3; ++i) vertices.push_back(static_cast<float>(p[i]));
     }
     triangles_.push_back(t);
   }
   region_count_ += static_cast<std::int32_t>(mesh.region_count());
+  if (curved) surface.curvature = estimate_curvature(mesh);
 }
+
+Scene::~Scene() = default;
 
 SurfacePoint16 Scene::intersect(I16 active, const Ray16& ray, RayTracer::Coherence coherence) const {
   const Hit16 hit = tracer_->intersect(active, ray, coherence);
@@ -155,29 +178,33 @@ Ray16 Scene::shadow_ray(const SurfacePoint16& p, const LightSample16& light) con
 }
 
 SurfacePoint Scene::surface_point(std::uint32_t triangle, float u, float v, const Vec3& viewer) const {
+  const auto next = std::ranges::upper_bound(surfaces_, triangle, {}, [](const auto& s) { return s->first_triangle; });
+  const Surface& surface = **std::prev(next);
+  const std::size_t face = triangle - surface.first_triangle;
+  const auto c = surface.mesh.positions(face);
+  const Vec3 b(1.0 - u - v, u, v);
   const SceneTriangle& t = triangles_[triangle];
-  const Vec3* c = corners_.data() + 3 * static_cast<std::size_t>(triangle);
-  const double b1 = u, b2 = v, b0 = 1.0 - b1 - b2;
   SurfacePoint p;
   p.triangle = triangle;
   p.u = u;
   p.v = v;
   p.material = t.material;
   p.region = t.region;
-  p.position = b0 * c[0] + b1 * c[1] + b2 * c[2];
+  p.position = b[0] * c[0] + b[1] * c[1] + b[2] * c[2];
   const Vec3 to_viewer = (viewer - p.position).normalized();
-  const Vec3 outside = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+  const Vec3 outside = surface.mesh.face_normal(face);
   const double side = outside.dot(to_viewer) < 0.0 ? -1.0 : 1.0;
   p.geometric_normal = side * outside;
   p.normal = p.geometric_normal;
-  if (t.smooth != 0) {
-    const auto corner = [&](int k) {
-      const float* n = corner_normals_.data() + 9 * static_cast<std::size_t>(triangle) + 3 * k;
-      return Vec3(n[0], n[1], n[2]);
-    };
-    const Vec3 n = (b0 * corner(0) + b1 * corner(1) + b2 * corner(2)).normalized();
-    p.normal = visible_normal(side * n, to_viewer);
-  }
+  if (t.smooth == 0) return p;
+  Vec3 n = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) n += b[k] * surface.mesh.corner_normal(face, k);
+  p.normal = visible_normal(side * n.normalized(), to_viewer);
+  // Seen from inside, the normal turns the other way.
+  const Frame frame = Frame::around(p.normal);
+  Eigen::Matrix<double, 3, 2> tangents;
+  tangents << frame.tangent, frame.bitangent;
+  p.shape_operator = side * tangents.transpose() * surface.curvature->shape_operator(face, b) * tangents;
   return p;
 }
 

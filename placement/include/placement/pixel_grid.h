@@ -24,7 +24,7 @@ class PixelGrid {
   /// Key for the random numbers of a record at this pixel: depends on film coordinates only.
   [[nodiscard]] std::uint64_t key(std::size_t pixel) const;
 
-  /// Marks the pixels inside the record's region (k_t < 1, same smooth region, normals within theta_max).
+  /// Marks the pixels inside the record's region (joint distance below 1, same smooth region).
   void cover(const ValidRegion& region, std::int32_t smooth_region);
   void clear_coverage();
 

@@ -16,6 +16,7 @@ struct PackedRecord {
   Vec3f scaled1, scaled2, scaled_normal;  ///< Axes divided by their radii.
   float radius1, radius2;
   float cos_max_deviation;
+  float inverse_deviation;                ///< 1 / (1 - cos_max_deviation)
   float reach;                            ///< Largest radius.
   std::int32_t region;                    ///< Smooth region of the surface.
   float value[3], g1[3], g2[3], h11[3], h12[3], h22[3];
@@ -24,10 +25,11 @@ struct PackedRecord {
 /// Position of sixteen points relative to a record: offsets in units of the radii, and its weight.
 struct Coverage16 {
   F16 a, b;       ///< Along the two axes.
-  F16 weight;     ///< [Zhao eq. 14], 0 where the record does not apply.
+  F16 weight;     ///< As `weight(ValidRegion)`, 0 where the record does not apply.
 };
 
-/// [Zhao eq. 14-15] for the points of smooth region `region`, the ellipsoid widened `support` times.
+/// [Zhao eq. 14-15] with the joint distance, for the points of smooth region `region`, the ellipsoid
+/// widened `support` times.
 [[nodiscard]] Coverage16 coverage(const PackedRecord& record, const V3x16& x, const V3x16& n, I16 region,
                                   float support);
 

@@ -28,13 +28,19 @@ struct ValidRegion {
   return std::sqrt(a * a + b * b + c * c);
 }
 
-/// The weight of a record at x with normal n [Zhao eq. 14], the ellipsoid widened `support` times;
-/// 0 outside it and where the normals differ by more than theta_max.
+/// Distance k in position and orientation together: k^2 = k_t^2 + (angle of the normals / theta_max)^2.
+/// On a plane it is k_t. 2 (1 - cos) stands for the squared angle.
+[[nodiscard]] inline double joint_distance(const ValidRegion& region, const Vec3& x, const Vec3& n, double support = 1.0) {
+  const double kt = translation_distance(region, x) / support;
+  return std::sqrt(kt * kt + std::max(0.0, 1.0 - region.normal.dot(n)) / std::max(1.0 - region.cos_max_deviation, 1e-12));
+}
+
+/// The weight of a record at x with normal n: [Zhao eq. 14] with the joint distance k in the place of
+/// k_t, the ellipsoid widened `support` times; 0 where the normals differ by more than theta_max.
 [[nodiscard]] inline double weight(const ValidRegion& region, const Vec3& x, const Vec3& n, double support = 1.0) {
   const double kr = region.normal.dot(n);
   if (kr < region.cos_max_deviation) return 0.0;
-  const double kt = translation_distance(region, x) / support;
-  return std::max(0.0, 1.0 - kt * kr) * std::pow(std::max(0.0, kr), 16.0);
+  return std::max(0.0, 1.0 - joint_distance(region, x, n, support) * kr) * std::pow(std::max(0.0, kr), 16.0);
 }
 
 /// Half axes and directions of an ellipse in tangent coordinates.

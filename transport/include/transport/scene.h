@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -45,11 +46,16 @@ struct SurfacePoint {
   std::int32_t region = 0;
 };
 
+struct Surface;  // a shape's half-edge mesh and curvature
+
 /// Surfaces, lights and the camera, ready to trace. Immutable.
 class Scene {
  public:
   /// Throws InputError when nothing can be rendered (no faces, coordinates too large for tracing).
   explicit Scene(const SceneDescription& description);
+  ~Scene();
+  Scene(const Scene&) = delete;
+  Scene& operator=(const Scene&) = delete;
 
   [[nodiscard]] const Camera& camera() const { return camera_; }
   [[nodiscard]] const FilmDescription& film() const { return film_; }
@@ -77,7 +83,7 @@ class Scene {
   std::vector<Bsdf> bsdfs_;
   std::vector<SceneTriangle> triangles_;
   std::vector<float> corner_normals_;  ///< Nine floats a triangle.
-  std::vector<Vec3> corners_;          ///< Three double-precision positions a triangle.
+  std::vector<std::unique_ptr<Surface>> surfaces_;  ///< By their first triangle.
   std::int32_t region_count_ = 0;
   Lights lights_;
   double radius_ = 1.0;
