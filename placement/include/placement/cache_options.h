@@ -18,7 +18,7 @@ struct CacheOptions {
   int taylor_order = 2;         ///< 0, 1 or 2: the order of the interpolant of eq. 13.
   bool glossy_glossy = true;    ///< Derivative of the incident radiance reflected by glossy surfaces.
   PlacementMetric metric = PlacementMetric::kHessian;
-  double max_normal_deviation = 0.1;  ///< theta_max of eq. 13. [rad]
+  double max_normal_deviation = 0.15; ///< theta_max of eq. 13. [rad]
   double gradient_share = 1.0;  ///< Of g g^T / L in the metric of eq. 4, for slopes where H passes 0; 0: eq. 4.
   bool joint_fit = true;        ///< Refine records by their neighbours' values, weighted by noise.
 };
