@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <new>
 #include <string>
@@ -20,6 +21,8 @@ Examples:
   vrc render scenes/cornell_glossy.xml -o box.exr -o box.png
   vrc render bunny.ply --camera-origin 0,1,4 --camera-target 0,0.5,0 -o bunny.png
   vrc compare box.exr reference.exr
+  vrc inspect bunny.ply
+  vrc curvature bunny.ply -o curvature.png
 
 "vrc COMMAND --help" explains one command.
 Exit codes: 0 done; 1 internal error, or a comparison met values that are not finite;
@@ -68,8 +71,13 @@ int parse_and_run(int argc, const char* const* argv) {
   program.require_subcommand(0, 1);  // without one, the message below is clearer
   program.formatter(std::make_shared<HelpFormatter>());
   program.footer(kFooter);
-  const CommandAction render = add_render_command(program, joined(argc, argv));
-  const CommandAction compare = add_compare_command(program);
+  const std::map<std::string, CommandAction> actions{
+      {"render", add_render_command(program, joined(argc, argv))},
+      {"compare", add_compare_command(program)},
+      {"inspect", add_inspect_command(program)},
+      {"curvature", add_curvature_command(program)},
+      {"charts", add_charts_command(program)},
+  };
   try {
     program.parse(argc, argv);
   } catch (const CLI::Success& request) {  // --help, --version
@@ -77,9 +85,12 @@ int parse_and_run(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& error) {
     return report_usage_error(program, error);
   }
-  if (program.get_subcommands().empty())
-    throw InputError("give a command: render or compare; see 'vrc --help'");
-  return program.got_subcommand("render") ? render() : compare();
+  if (program.get_subcommands().empty()) {
+    throw InputError(
+        "give a command: render or compare for pictures, inspect, curvature or charts for meshes; see 'vrc "
+        "--help'");
+  }
+  return actions.at(program.get_subcommands().front()->get_name())();
 }
 
 int report(const char* kind, const char* what, ExitCode code) {

@@ -51,6 +51,20 @@ bool crosses_itself(std::vector<Segment> segments) {
   return false;
 }
 
+// The triangles turn more than once round a vertex: on top of each other.
+bool winds_twice(const ChartMesh& chart, std::span<const Vec2> uv) {
+  std::vector<double> turn(uv.size(), 0.0);
+  for (const Triangle& t : chart.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec2 a = uv[t[(k + 1) % 3]] - uv[t[k]];
+      const Vec2 b = uv[t[(k + 2) % 3]] - uv[t[k]];
+      turn[t[k]] += std::atan2(cross(a, b), a.dot(b));
+    }
+  }
+  constexpr double kOnce = 2.0 * kPi + 1e-6;
+  return std::any_of(turn.begin(), turn.end(), [](double angle) { return angle > kOnce; });
+}
+
 }  // namespace
 
 std::array<Vec2, 3> laid_down(const std::array<Vec3, 3>& p) {
@@ -101,7 +115,7 @@ ChartCheck check_chart(const ChartMesh& chart, std::span<const Vec2> uv, const P
       check.bad_faces.push_back(f);
     }
   }
-  if (check.bad_faces.empty()) check.overlaps = crosses_itself(border(chart, uv));
+  if (check.bad_faces.empty()) check.overlaps = winds_twice(chart, uv) || crosses_itself(border(chart, uv));
   return check;
 }
 

@@ -18,14 +18,15 @@ namespace vrc {
 
 struct ChartCheck {
   std::vector<std::uint32_t> bad_faces;  ///< Flipped, or distorted beyond the limits of the options.
-  bool overlaps = false;                 ///< The chart's border crosses itself.
-  double max_stretch = 1.0;              ///< Over the faces that are not bad.
+  bool overlaps = false;     ///< The chart's border crosses itself, or its faces wind twice round a vertex.
+  double max_stretch = 1.0;  ///< Over the faces that are not bad.
   [[nodiscard]] bool passed() const { return bad_faces.empty() && !overlaps; }
 };
 
-/// Without flips and with a border that does not cross itself the map is one to one: the border's loops
-/// then turn once in all, so one of them is outside and the others are holes. That also means that a
-/// chart with handles never passes. The border is looked at only when no face is bad.
+/// Without flips, without faces that wind twice round a vertex and with a border that does not cross
+/// itself the map is one to one: the border's loops then turn once in all, so one of them is outside and
+/// the others are holes. Charts with handles thus never pass. Overlaps are looked for only when no face
+/// is bad.
 [[nodiscard]] ChartCheck check_chart(const ChartMesh& chart, std::span<const Vec2> uv,
                                      const PatchAtlasOptions& options);
 

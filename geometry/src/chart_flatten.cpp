@@ -31,15 +31,17 @@ std::vector<Vec2> orthographic_map(const ChartMesh& chart) {
   const Frame frame = Frame::around(mean_normal(chart));
   std::vector<Vec2> uv;
   uv.reserve(chart.positions.size());
-  for (const Vec3& p : chart.positions) uv.emplace_back(p.dot(frame.tangent), p.dot(frame.bitangent));
+  for (const Vec3& p : chart.positions) {
+    const Vec3 d = p - chart.positions.front();
+    uv.emplace_back(d.dot(frame.tangent), d.dot(frame.bitangent));
+  }
   return uv;
 }
 
 // Corners of the convex hull, counter-clockwise (Andrew's monotone chain).
 std::vector<Vec2> convex_hull(std::vector<Vec2> points) {
-  std::sort(points.begin(), points.end(), [](const Vec2& a, const Vec2& b) {
-    return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
-  });
+  std::sort(points.begin(), points.end(),
+            [](const Vec2& a, const Vec2& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); });
   std::vector<Vec2> hull;
   const auto add_chain = [&hull](auto begin, auto end) {
     const std::size_t base = hull.size();
@@ -130,9 +132,8 @@ std::vector<std::uint32_t> halves(const ChartMesh& chart) {
   box.sizes().maxCoeff(&axis);
   std::vector<std::uint32_t> order(chart.size());
   std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return centroids[a][axis] < centroids[b][axis];
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return centroids[a][axis] < centroids[b][axis]; });
   std::vector<std::uint32_t> label(chart.size(), 0);
   for (std::size_t i = order.size() / 2; i < order.size(); ++i) label[order[i]] = 1;
   return label;

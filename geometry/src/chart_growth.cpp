@@ -29,8 +29,12 @@ Vec3 mean_normal(const FaceGraph& graph, const std::vector<std::uint32_t>& faces
 class ChartGrower {
  public:
   ChartGrower(const SurfaceMesh& mesh, const FaceGraph& graph, const PatchAtlasOptions& options)
-      : mesh_(mesh), graph_(graph), options_(options), chart_of_(graph.size(), kInvalidIndex),
-        reached_by_(graph.size(), 0), region_flat_(mesh.region_count(), 1),
+      : mesh_(mesh),
+        graph_(graph),
+        options_(options),
+        chart_of_(graph.size(), kInvalidIndex),
+        reached_by_(graph.size(), 0),
+        region_flat_(mesh.region_count(), 1),
         region_area_(mesh.region_count(), 0.0) {
     measure_regions();
   }
@@ -134,7 +138,8 @@ class ChartGrower {
         if (next == kInvalidIndex || chart_of_[next] == c) continue;
         const Triangle& t = mesh_.triangle(f);
         border[chart_of_[next]] += (mesh_.position(t[static_cast<std::size_t>((k + 1) % 3)]) -
-                                    mesh_.position(t[static_cast<std::size_t>(k)])).norm();
+                                    mesh_.position(t[static_cast<std::size_t>(k)]))
+                                       .norm();
       }
     }
     std::uint32_t best = kInvalidIndex;

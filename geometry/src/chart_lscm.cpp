@@ -20,13 +20,16 @@ using Solver =
     CGAL::Eigen_solver_traits<Eigen::SimplicialLDLT<CGAL::Eigen_sparse_symmetric_matrix<double>::EigenType>>;
 using Parameterizer = smp::LSCM_parameterizer_3<CgalMesh, Border, Solver>;
 
-// Vertices keep their numbers. Nothing when a face is refused.
+// Vertices keep their numbers and are given relative to the first. Nothing when a face is refused.
 std::optional<CgalMesh> to_cgal(const ChartMesh& chart) {
   CgalMesh mesh;
   const auto vertices = static_cast<CgalMesh::size_type>(chart.positions.size());
   const auto faces = static_cast<CgalMesh::size_type>(chart.size());
   mesh.reserve(vertices, 2 * faces, faces);
-  for (const Vec3& p : chart.positions) mesh.add_vertex({p.x(), p.y(), p.z()});
+  for (const Vec3& p : chart.positions) {
+    const Vec3 d = p - chart.positions.front();
+    mesh.add_vertex({d.x(), d.y(), d.z()});
+  }
   for (const auto& [a, b, c] : chart.triangles) {
     const CgalMesh::Face_index face =
         mesh.add_face(CgalMesh::Vertex_index(a), CgalMesh::Vertex_index(b), CgalMesh::Vertex_index(c));

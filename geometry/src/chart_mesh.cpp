@@ -8,7 +8,7 @@
 namespace vrc {
 namespace {
 
-// Fills triangles and positions from the neighbours; `corner_position(face, k)` is in world space.
+// Fills triangles and positions from the neighbours.
 template <typename CornerPosition>
 void join_corners(ChartMesh& chart, const CornerPosition& corner_position) {
   const std::size_t count = chart.neighbours.size();
@@ -33,11 +33,9 @@ void join_corners(ChartMesh& chart, const CornerPosition& corner_position) {
   const std::vector<std::uint32_t> vertex = sets.labels();
   chart.triangles.resize(count);
   chart.positions.clear();
-  const Vec3 origin = corner_position(0, 0);
   for (std::uint32_t c = 0; c < vertex.size(); ++c) {
     chart.triangles[c / 3][c % 3] = vertex[c];
-    if (vertex[c] == chart.positions.size())
-      chart.positions.push_back(corner_position(c / 3, c % 3) - origin);
+    if (vertex[c] == chart.positions.size()) chart.positions.push_back(corner_position(c / 3, c % 3));
   }
 }
 
@@ -66,9 +64,8 @@ ChartMesh make_chart_mesh(const SurfaceMesh& mesh, const FaceGraph& graph,
       smooth[i] = inside && graph.neighbour[f][i] != kInvalidIndex;
     }
   }
-  join_corners(chart, [&](std::size_t f, std::size_t k) {
-    return mesh.position(mesh.triangle(faces[f])[k]);
-  });
+  join_corners(chart,
+               [&](std::size_t f, std::size_t k) { return mesh.position(mesh.triangle(faces[f])[k]); });
   return chart;
 }
 

@@ -20,7 +20,7 @@ struct ChartMesh {
   std::vector<Triangle> triangles;
   std::vector<std::array<std::uint32_t, 3>> neighbours;  ///< Across edge k, or kInvalidIndex.
   std::vector<std::array<bool, 3>> smooth;  ///< Whether edge k is inside the chart and no crease.
-  std::vector<Vec3> positions;  ///< Per vertex, relative to the first one.
+  std::vector<Vec3> positions;              ///< Per vertex, in world space.
 
   [[nodiscard]] std::size_t size() const { return triangles.size(); }
   [[nodiscard]] std::array<Vec3, 3> corners(std::size_t face) const {

@@ -115,6 +115,8 @@ Frame PatchAtlas::frame_at(std::size_t patch, const Vec3& normal) const {
 }
 
 Mat2 PatchAtlas::transport(std::size_t from, std::size_t to) const {
+  // Opposite normals have no smallest rotation: choose one of them for both ways.
+  if (from > to) return transport(to, from).transpose();
   const Frame& target = patches_[to].frame;
   const Frame carried = frame_at(from, target.normal);
   const double cosine = target.tangent.dot(carried.tangent);

@@ -32,7 +32,8 @@ std::vector<PatchFootprint> patch_footprints(const PatchAtlas& atlas, const Surf
   std::vector<PatchFootprint> footprints;
   for (const WalkedFace& walked : walk.faces) {
     const std::array<Vec2, 3>& p = walked.corners;
-    const std::array<Vec2, 3> uv{atlas.uv(walked.face, 0), atlas.uv(walked.face, 1), atlas.uv(walked.face, 2)};
+    const std::array<Vec2, 3> uv{atlas.uv(walked.face, 0), atlas.uv(walked.face, 1),
+                                 atlas.uv(walked.face, 2)};
     Mat2 edges;
     edges << p[1] - p[0], p[2] - p[0];
     Mat2 uv_edges;

@@ -180,9 +180,9 @@ class RegionIndex::Builder {
   const std::span<const PatchFootprint> footprints_;
   const RegionIndexOptions& options_;
   std::vector<std::uint32_t> order_, patch_begin_;
-  std::vector<CellBox> boxes_;                       // Of one patch.
+  std::vector<CellBox> boxes_;  // Of one patch.
   std::vector<std::uint32_t> cell_begin_, cell_boxes_, cursor_;
-  std::vector<std::vector<std::uint32_t>> lists_;    // Of one coarse cell.
+  std::vector<std::vector<std::uint32_t>> lists_;  // Of one coarse cell.
 };
 
 RegionIndex::RegionIndex(std::size_t patch_count, std::span<const PatchFootprint> footprints,

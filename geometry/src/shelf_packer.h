@@ -9,8 +9,8 @@
 namespace vrc {
 
 struct PackedLayout {
-  std::vector<Vec2> offset;    ///< Per rectangle: its lower left corner.
-  Vec2 size = Vec2::Zero();    ///< Of the whole.
+  std::vector<Vec2> offset;  ///< Per rectangle: its lower left corner.
+  Vec2 size = Vec2::Zero();  ///< Of the whole.
 };
 
 /// Places rectangles of the given sizes, unturned, on shelves of a roughly square sheet, the highest

@@ -57,11 +57,11 @@ double squared_distance(const Vec2& a, const Vec2& b) {
 
 // An edge of a walked face that meets the ellipse, to be crossed.
 struct Gate {
-  double distance2;         // From the centre, in units of the radii.
-  std::uint32_t order;      // Decides between equal distances.
-  std::uint32_t face;       // Behind the edge.
-  std::uint32_t entry;      // The edge's corner k in `face`.
-  Vec2 begin, end;          // Where corners k and k + 1 of `face` are in the plane.
+  double distance2;     // From the centre, in units of the radii.
+  std::uint32_t order;  // Decides between equal distances.
+  std::uint32_t face;   // Behind the edge.
+  std::uint32_t entry;  // The edge's corner k in `face`.
+  Vec2 begin, end;      // Where corners k and k + 1 of `face` are in the plane.
   // For a queue whose top is the nearest gate.
   bool operator<(const Gate& other) const {
     return distance2 != other.distance2 ? distance2 > other.distance2 : order > other.order;
@@ -131,8 +131,7 @@ class Walk {
   }
 
   void add_gate(std::uint32_t face, std::size_t k, const Vec2& a, const Vec2& b) {
-    const double distance2 =
-        squared_distance(a.cwiseProduct(inverse_radii_), b.cwiseProduct(inverse_radii_));
+    const double distance2 = squared_distance(a.cwiseProduct(inverse_radii_), b.cwiseProduct(inverse_radii_));
     if (!(distance2 <= 1.0)) return;
     const HalfedgeMesh& halfedges = mesh_.mesh();
     const OpenMesh::HalfedgeHandle across =
@@ -175,15 +174,15 @@ class Walk {
   }
 
   template <typename Visit>
-  static void visit_rim(const std::array<Vec2, 3>& p, const std::array<Vec3, 3>& normals, const Visit& visit) {
+  static void visit_rim(const std::array<Vec2, 3>& p, const std::array<Vec3, 3>& normals,
+                        const Visit& visit) {
     const Vec2 d1 = p[1] - p[0];
     const Vec2 d2 = p[2] - p[0];
     const double area = d1.x() * d2.y() - d1.y() * d2.x();
     constexpr double kDiagonal = 0.70710678118654752;
-    static const std::array<Vec2, 8> rim{Vec2(1, 0),  Vec2(kDiagonal, kDiagonal),
-                                         Vec2(0, 1),  Vec2(-kDiagonal, kDiagonal),
-                                         Vec2(-1, 0), Vec2(-kDiagonal, -kDiagonal),
-                                         Vec2(0, -1), Vec2(kDiagonal, -kDiagonal)};
+    static const std::array<Vec2, 8> rim{
+        Vec2(1, 0),  Vec2(kDiagonal, kDiagonal),   Vec2(0, 1),  Vec2(-kDiagonal, kDiagonal),
+        Vec2(-1, 0), Vec2(-kDiagonal, -kDiagonal), Vec2(0, -1), Vec2(kDiagonal, -kDiagonal)};
     for (const Vec2& point : rim) {
       const Vec2 d = point - p[0];
       const double b1 = (d.x() * d2.y() - d.y() * d2.x()) / area;
@@ -208,8 +207,8 @@ class Walk {
 SurfaceWalk walk_surface(const SurfaceMesh& mesh, const SurfaceEllipse& ellipse,
                          const SurfaceWalkOptions& options) {
   VRC_CHECK(ellipse.face < mesh.face_count(), "face {} of {}", ellipse.face, mesh.face_count());
-  VRC_CHECK(ellipse.radii.minCoeff() > 0.0 && ellipse.radii.allFinite(), "radii {} and {}",
-            ellipse.radii.x(), ellipse.radii.y());
+  VRC_CHECK(ellipse.radii.minCoeff() > 0.0 && ellipse.radii.allFinite(), "radii {} and {}", ellipse.radii.x(),
+            ellipse.radii.y());
   return Walk(mesh, ellipse).run(std::max<std::size_t>(1, options.max_faces));
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 // Neighbours farther than this multiple of the radii are left out.
 constexpr double kReach = 2.5;
-// Relative error of a second-order Taylor polynomial at k_t = 1, growing with k_t^3.
+// Relative error of a second-order Taylor polynomial at k = 1, growing with k^3.
 constexpr double kModelError = 0.05;
 // Relative floor of a value's standard deviation: no estimate is exact.
 constexpr double kValueFloor = 1e-3;
@@ -66,12 +66,11 @@ std::array<Jet2, 3> fit(const RadianceCache& cache, std::size_t index, double me
   for (const std::uint32_t i : near) {
     const RadianceRecord& other = records[i];
     if (i == index || other.site.point.region != record.site.point.region) continue;
-    if (record.region.normal.dot(other.region.normal) < record.region.cos_max_deviation) continue;
-    const double kt = translation_distance(record.region, other.region.center);
-    if (kt >= kReach) continue;
+    const double k = joint_distance(record.region, other.region.center, other.region.normal);
+    if (k >= kReach) continue;
     const Vec3 d = other.region.center - record.region.center;
     const Vec6 basis = taylor_basis(Vec2(d.dot(record.site.frame.tangent), d.dot(record.site.frame.bitangent)) / length);
-    const double model = kModelError * scale * kt * kt * kt;
+    const double model = kModelError * scale * k * k * k;
     const double weight = 1.0 / (other.estimate.variance.value + floor * floor + model * model);
     normal += weight * basis * basis.transpose();
     for (std::size_t c = 0; c < 3; ++c) right[c] += weight * other.estimate.radiance[c].value * basis;

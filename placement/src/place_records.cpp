@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "core/hash.h"
 #include "core/parallel.h"
@@ -22,7 +23,8 @@ constexpr double kNoiseLimit = 2.5;       // of the accepted error: beyond this 
 constexpr std::size_t kSmallestRound = 32;
 constexpr std::size_t kRoundShare = 8;    // a round makes at most 1/8 of the records so far
 constexpr int kSampleRounds = 6;          // passes over the samples that pixel centres miss
-constexpr int kCountRounds = 12;          // steps of the search for a wanted number of records
+constexpr int kCountRounds = 24;          // steps of the search for a wanted number of records
+constexpr double kCoarsestError = 2.0;    // where that search begins
 
 class ImagePlacement {
  public:
@@ -40,7 +42,7 @@ class ImagePlacement {
     PhaseTimer timer("place records");
     pilot();
     if (options_.records > 0) reach_count();
-    else sweep(threshold(options_.error), false);
+    else sweep(threshold(options_.error));
     if (!result_.unfinished) cover_samples();
     result_.phases.push_back(timer.elapsed());
     if (options_.joint_fit) {
@@ -123,9 +125,8 @@ class ImagePlacement {
   /// With a wanted number of records the error is unknown: the default's noise is aimed at.
   [[nodiscard]] double accepted_error() const { return options_.records > 0 ? CacheOptions{}.error : options_.error; }
 
-  /// Covers every pixel centre at a threshold, keeping the records there are; stops early beyond
-  /// `limit` records when one is given.
-  void sweep(double epsilon, bool limited, std::size_t limit = 0) {
+  /// Covers every pixel centre at a threshold, keeping the records there are; stops at `limit` records.
+  void sweep(double epsilon, std::size_t limit = std::numeric_limits<std::size_t>::max()) {
     rule_.epsilon = epsilon;
     rule_.uniform_radius = std::pow(epsilon, 0.25) * 0.1;
     grid_.clear_coverage();
@@ -133,8 +134,9 @@ class ImagePlacement {
       shape(record);
       grid_.cover(record.region, record.site.point.region);
     }
-    for (std::size_t next = 0; next < grid_.size() && !result_.unfinished;) {
-      const std::size_t round = std::max(kSmallestRound, result_.records.size() / kRoundShare);
+    for (std::size_t next = 0; next < grid_.size() && result_.records.size() < limit && !result_.unfinished;) {
+      const std::size_t round =
+          std::min(std::max(kSmallestRound, result_.records.size() / kRoundShare), limit - result_.records.size());
       std::vector<RecordSite> sites;
       for (; next < grid_.size() && sites.size() < round; ++next) {
         if (grid_.is_open(grid_.order()[next])) sites.push_back(site_at(grid_.order()[next]));
@@ -147,20 +149,23 @@ class ImagePlacement {
       }
       control_.report({"place records", static_cast<double>(next) / static_cast<double>(grid_.size()),
                        result_.records.size(), result_.counts.gather + result_.counts.shadow});
-      if (limited && result_.records.size() >= limit) return;
     }
   }
 
-  /// Lowers the threshold step by step, keeping all records, until the wanted number is reached.
+  /// Lowers the threshold step by step, keeping all records, until the wanted number is reached. The
+  /// last sweep may stop early: its regions are little smaller than those of the sweep before, so
+  /// blending still reaches every point.
   void reach_count() {
     const auto wanted = static_cast<std::size_t>(options_.records);
-    double epsilon = threshold(0.3);
+    double epsilon = threshold(kCoarsestError);
+    sweep(epsilon, wanted);
+    if (!result_.unfinished) cover_samples();
     for (int step = 0; step < kCountRounds && !result_.unfinished; ++step) {
-      sweep(epsilon, true, wanted);
       const double ratio = static_cast<double>(wanted) / static_cast<double>(std::max<std::size_t>(result_.records.size(), 1));
       if (ratio < 1.03) return;
       // The count grows about as epsilon^-0.46; approach from below, since records are kept.
-      epsilon *= std::pow(std::max(0.85 * ratio, 1.05), -1.0 / 0.46);
+      epsilon *= std::pow(std::clamp(0.85 * ratio, 1.08, 3.0), -1.0 / 0.46);
+      sweep(epsilon, wanted);
     }
   }
 

@@ -80,7 +80,7 @@ RadianceCache::RadianceCache(std::vector<RadianceRecord> records, double max_sup
   std::vector<Eigen::AlignedBox3f> boxes;
   for (const RadianceRecord& record : records_) {
     packed_.push_back(pack(record));
-    boxes.push_back(bounds(record.region, max_support));
+    boxes.push_back(bounds(record.region, max_support / record.region.cos_max_deviation));
   }
   order_.resize(records_.size());
   std::iota(order_.begin(), order_.end(), 0u);

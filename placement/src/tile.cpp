@@ -54,7 +54,8 @@ TileRecords::TileRecords(const RadianceCache& cache, const Tile& tile) : cache_(
 
 bool TileRecords::may_reach(const PackedRecord& record, const SurfacePoint16& p, float support) {
   const V3x16 d = p.position - splat3(record.center);
-  const float reach = record.reach * support;
+  // The weight of eq. 14 is positive up to k = 1 / k_r.
+  const float reach = record.reach * support / record.cos_max_deviation;
   return any((dot(d, d) < reach * reach) & (p.region == record.region));
 }
 

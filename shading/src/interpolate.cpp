@@ -14,7 +14,10 @@ struct WeightedSum {
 WeightedSum blend_records(const TileRecords& records, const SurfacePoint16& p, int order, double support) {
   WeightedSum sum;
   records.for_each(p, static_cast<float>(support), [&](const PackedRecord& record, const Coverage16& c) {
-    const V3x16 value = extrapolate(record, c, order);
+    // Limited derivatives hold up to the ordinary support: farther out the value there is taken.
+    const F16 distance = sqrt(c.a * c.a + c.b * c.b);
+    const F16 inward = min(static_cast<float>(kBlendSupport) / max(distance, 1e-20f), 1.0f);
+    const V3x16 value = extrapolate(record, {c.a * inward, c.b * inward, c.weight}, order);
     sum.radiance += select(c.weight > 0.0f, value * c.weight, V3x16{});
     sum.weight += c.weight;
   });

@@ -63,9 +63,9 @@ class Renderer {
     control_.report({"render", 0.0, 0, 0});
     parallel_for(layout_.count(), [&](std::size_t i) {
       if (!control_.stopped()) render_tile(i, result.image, counts[i]);
-      const std::size_t finished = done.fetch_add(1) + 1;
+      done.fetch_add(1);
       if (const std::unique_lock lock(reporting, std::try_to_lock); lock) {
-        control_.report({"render", static_cast<double>(finished) / static_cast<double>(layout_.count()), 0, 0});
+        control_.report({"render", static_cast<double>(done.load()) / static_cast<double>(layout_.count()), 0, 0});
       }
     });
     result.stats.phases.push_back(timer.elapsed());

@@ -10,8 +10,9 @@ namespace vrc {
 namespace {
 
 constexpr int kLog2Rays = 16;
-constexpr int kGathers = 8;          // A converged estimate is the mean of this many.
-constexpr double kStepShare = 0.03;  // of the scene's radius
+constexpr int kGathers = 8;         // A converged estimate is the mean of this many.
+constexpr double kFlatStep = 0.03;  // of the scene's radius
+constexpr double kCurvedStep = 0.006;
 
 /// The mean of gathers of independent seeds.
 Jet2 converged(const Scene& scene, const RecordSite& site, std::uint64_t first_seed,
@@ -26,7 +27,7 @@ Jet2 converged(const Scene& scene, const RecordSite& site, std::uint64_t first_s
   return sum;
 }
 
-/// Central differences of luminance in the tangent plane with the given step.
+/// Central differences of luminance along the surface with the given step.
 Jet2 differences(const Scene& scene, const RecordSite& site, double h) {
   const auto at = [&](double x, double y) {
     return converged(scene, test::displaced(scene, site, h * Vec2(x, y)), 7).value;
@@ -42,8 +43,8 @@ Jet2 differences(const Scene& scene, const RecordSite& site, double h) {
 }
 
 /// Richardson's extrapolation of two steps removes the error of second order.
-Jet2 reference_derivatives(const Scene& scene, const RecordSite& site) {
-  const double h = kStepShare * scene.radius();
+Jet2 reference_derivatives(const Scene& scene, const RecordSite& site, double step_share) {
+  const double h = step_share * scene.radius();
   const Jet2 wide = differences(scene, site, 2.0 * h), narrow = differences(scene, site, h);
   Jet2 j = narrow;
   j.gradient = (4.0 * narrow.gradient - wide.gradient) / 3.0;
@@ -74,7 +75,7 @@ void expect_glossy_glossy_term_to_matter(const std::string& scene_name,
   const Scene scene = test::load_scene(scene_name, 256, 256);
   const std::vector<RecordSite> sites = test::sites_at(scene, film_shares);
   std::vector<Jet2> truth;
-  for (const RecordSite& site : sites) truth.push_back(reference_derivatives(scene, site));
+  for (const RecordSite& site : sites) truth.push_back(reference_derivatives(scene, site, kFlatStep));
   const RelativeError with = relative_error(scene, sites, truth, true);
   EXPECT_LT(with.gradient, 0.05);
   EXPECT_LT(with.hessian, 0.15);
@@ -107,6 +108,28 @@ TEST(RadianceDerivatives, MatchFiniteDifferencesOnTheGlossyFloor) {
                                                           {0.5, 0.4},
                                                           {0.35, 0.55},
                                                           {0.65, 0.55}});
+}
+
+TEST(RadianceDerivatives, FollowTheNormalOnCurvedSurfaces) {
+  // A purely glossy pillar: the derivatives of a diffuse part leave out its horizon, which moves with
+  // the normal.
+  const Scene scene =
+      test::load_scene("curved_room.xml", 256, 256, {{"tall_box", "0, 0, 0"}, {"exponent", "20"}});
+  std::vector<RecordSite> curved =
+      test::sites_at(scene, {{0.33, 0.64}, {0.30, 0.64}, {0.34, 0.55}, {0.32, 0.58}, {0.31, 0.7}});
+  std::vector<RecordSite> flat = curved;
+  std::vector<Jet2> truth;
+  for (std::size_t i = 0; i < curved.size(); ++i) {
+    EXPECT_GT(curved[i].point.shape_operator.norm(), 1.0) << "not on the pillar";
+    truth.push_back(reference_derivatives(scene, curved[i], kCurvedStep));
+    flat[i].point.shape_operator.setZero();
+  }
+  const RelativeError with = relative_error(scene, curved, truth, true);
+  EXPECT_LT(with.gradient, 0.05);
+  EXPECT_LT(with.hessian, 0.15);
+  const RelativeError without = relative_error(scene, flat, truth, true);
+  EXPECT_GT(without.gradient, 0.5);
+  EXPECT_GT(without.hessian, 0.7);
 }
 
 }  // namespace

@@ -115,17 +115,20 @@ ValidRegion tilted_region() {
   return r;
 }
 
-TEST(Weight, FollowsEquations14And15) {
+TEST(Weight, FollowsEquations14And15WithTheAngleInTheDistance) {
   const ValidRegion r = tilted_region();
   // 0.5 and 0.5 of the radii along the axes, 0.1 of it along the normal.
   const Vec3 x = r.center + 0.2 * r.axis1 - 0.05 * r.axis2 + 0.01 * r.normal;
   const double kt = std::sqrt(0.25 + 0.25 + 0.01);
   EXPECT_NEAR(translation_distance(r, x), kt, 1e-12);
   EXPECT_NEAR(weight(r, x, r.normal), 1.0 - kt, 1e-12);
-  const double angle = 0.06, kr = std::cos(angle);
+  const double angle = 0.06, kr = std::cos(angle), turn = (1.0 - kr) / (1.0 - std::cos(0.1));
+  EXPECT_NEAR(turn, 0.36, 1e-3) << "(angle / theta_max)^2";
   const Vec3 n = kr * r.normal + std::sin(angle) * r.axis1;
-  EXPECT_NEAR(weight(r, x, n), (1.0 - kt * kr) * std::pow(kr, 16), 1e-12);
-  EXPECT_NEAR(weight(r, x, n, 2.0), (1.0 - 0.5 * kt * kr) * std::pow(kr, 16), 1e-12);
+  const double k = std::sqrt(kt * kt + turn), wide = std::sqrt(0.25 * kt * kt + turn);
+  EXPECT_NEAR(joint_distance(r, x, n), k, 1e-12);
+  EXPECT_NEAR(weight(r, x, n), (1.0 - k * kr) * std::pow(kr, 16), 1e-12);
+  EXPECT_NEAR(weight(r, x, n, 2.0), (1.0 - wide * kr) * std::pow(kr, 16), 1e-12);
 }
 
 TEST(Weight, IsZeroOutsideTheEllipsoidAndBeyondTheLargestAngle) {

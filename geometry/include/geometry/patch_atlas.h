@@ -41,9 +41,9 @@ struct Patch {
   ChartMethod method = ChartMethod::kSingleFace;
   /// Of the mean plane: the mean normal by area; the tangent and bitangent point along u and v.
   Frame frame;
-  double area = 0.0;                   ///< [world units squared]; the same in (u, v).
-  Vec2 uv_size = Vec2::Zero();         ///< The chart fills [0, uv_size.x] x [0, uv_size.y]. [world units]
-  Vec2 layout_offset = Vec2::Zero();   ///< Of the chart's (0, 0) in the packed layout.
+  double area = 0.0;                  ///< [world units squared]; the same in (u, v).
+  Vec2 uv_size = Vec2::Zero();        ///< The chart fills [0, uv_size.x] x [0, uv_size.y]. [world units]
+  Vec2 layout_offset = Vec2::Zero();  ///< Of the chart's (0, 0) in the packed layout.
 };
 
 /// Figures over all faces. Of the singular values s1 >= s2 of a face's map from the surface to (u, v),
@@ -97,7 +97,8 @@ class PatchAtlas {
   /// The patch's frame carried to a unit normal by the smallest rotation.
   [[nodiscard]] Frame frame_at(std::size_t patch, const Vec3& normal) const;
   /// Parallel transport: takes tangent coordinates in the frame of `from` to those in the frame of
-  /// `to` by the smallest rotation between their normals. A rotation matrix.
+  /// `to` by the smallest rotation between their normals. A rotation matrix; that of the way back is
+  /// its transpose.
   [[nodiscard]] Mat2 transport(std::size_t from, std::size_t to) const;
 
   /// Where the charts lie side by side in one picture [0, size.x] x [0, size.y]. [world units]

@@ -21,12 +21,13 @@ struct RegionRule {
 [[nodiscard]] double perceived(double value, double mean_luminance);
 
 /// Fills the record's region, radiance and clamp factor from its estimate. The radii lie between one
-/// pixel and a tenth of the picture, and within the nearest gather hit.
+/// pixel and a tenth of the picture, within the nearest gather hit, and along the crease of a wall
+/// within six times as much.
 void shape_record(RadianceRecord& record, const RegionRule& rule);
 
-/// Sets the radiance that a record with a known region passes on. Where the minimum radius overrides
-/// eq. 4 the Taylor terms would run away, so gradient and Hessian are scaled down until neither
-/// changes the radiance by more than `perceived` over the region.
+/// Sets the radiance that a record with a known region passes on. Where the region reaches beyond the
+/// nearest hit, gradient and Hessian are scaled by the ratio and its square; then until neither changes
+/// the radiance by more than `perceived` over the region. `clamp_factor` says by how much.
 void set_radiance(RadianceRecord& record, const std::array<Jet2, 3>& jets, double mean_luminance);
 
 /// How noisy a record may be before it is gathered again with more rays.
