@@ -85,7 +85,7 @@ CurvatureView make_view(const CurvatureField& field, CurvatureQuantity quantity)
   std::vector<double> values(view.sectors.size());
   for (std::size_t s = 0; s < values.size(); ++s) values[s] = view.value(s);
   view.summary = summarize(std::move(values));
-  view.range = color_range(view.summary, quantity);
+  view.range = color_range(view.summary, quantity, field.mesh().report().bounds.diagonal().norm());
   return view;
 }
 

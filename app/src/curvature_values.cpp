@@ -46,17 +46,17 @@ ValueSummary summarize(std::vector<double> values) {
   return {values.front(), at(0.5), values.back(), {at(0.02), at(0.98)}};
 }
 
-ValueRange color_range(const ValueSummary& summary, CurvatureQuantity quantity) {
+ValueRange color_range(const ValueSummary& summary, CurvatureQuantity quantity, double size) {
+  constexpr double kRounding = 1e-6;
   ValueRange range = summary.robust;
   if (is_signed(quantity)) {
     range.high = std::max(std::abs(range.low), std::abs(range.high));
     range.low = -range.high;
   }
-  if (!(range.high > range.low)) {
-    const double half = std::max(1.0, std::abs(range.low));
-    range = {range.low - half, range.low + half};
-  }
-  return range;
+  const double unit = quantity == CurvatureQuantity::kGauss ? 1.0 / (size * size) : 1.0 / size;
+  const double half = std::max(unit, std::abs(range.low));
+  if (range.high - range.low > kRounding * half) return range;
+  return {range.low - half, range.low + half};
 }
 
 namespace {

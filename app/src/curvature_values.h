@@ -40,8 +40,9 @@ struct ValueSummary {
 [[nodiscard]] ValueSummary summarize(std::vector<double> values);
 
 /// What the ends of a colour map stand for: the robust range, made symmetrical about 0 where the
-/// quantity is signed; never empty, so that a constant has a colour.
-[[nodiscard]] ValueRange color_range(const ValueSummary& summary, CurvatureQuantity quantity);
+/// quantity is signed. It is widened where it holds no more than rounding, so that a plane or a sphere
+/// has one colour; `size` is the diagonal of the mesh.
+[[nodiscard]] ValueRange color_range(const ValueSummary& summary, CurvatureQuantity quantity, double size);
 
 /// A part of the mesh connected over edges.
 struct ComponentCurvature {

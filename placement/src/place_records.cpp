@@ -41,9 +41,12 @@ class ImagePlacement {
   PlacementResult run() {
     PhaseTimer timer("place records");
     pilot();
-    if (options_.records > 0) reach_count();
-    else sweep(threshold(options_.error));
-    if (!result_.unfinished) cover_samples();
+    if (options_.records > 0) {
+      reach_count();
+    } else {
+      sweep(threshold(options_.error));
+      if (!result_.unfinished) cover_samples();
+    }
     result_.phases.push_back(timer.elapsed());
     if (options_.joint_fit) {
       PhaseTimer fit_timer("fit records");
@@ -154,17 +157,17 @@ class ImagePlacement {
 
   /// Lowers the threshold step by step, keeping all records, until the wanted number is reached. The
   /// last sweep may stop early: its regions are little smaller than those of the sweep before, so
-  /// blending still reaches every point.
+  /// blending still reaches every point. Slivers get their records on the way, not on top at the end.
   void reach_count() {
     const auto wanted = static_cast<std::size_t>(options_.records);
     double epsilon = threshold(kCoarsestError);
     sweep(epsilon, wanted);
-    if (!result_.unfinished) cover_samples();
     for (int step = 0; step < kCountRounds && !result_.unfinished; ++step) {
+      if (3 * result_.records.size() >= wanted) cover_samples();
       const double ratio = static_cast<double>(wanted) / static_cast<double>(std::max<std::size_t>(result_.records.size(), 1));
       if (ratio < 1.03) return;
       // The count grows about as epsilon^-0.46; approach from below, since records are kept.
-      epsilon *= std::pow(std::clamp(0.85 * ratio, 1.08, 3.0), -1.0 / 0.46);
+      epsilon *= std::pow(std::clamp(0.85 * ratio, 1.08, 5.0), -1.0 / 0.46);
       sweep(epsilon, wanted);
     }
   }
