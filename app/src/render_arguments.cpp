@@ -120,7 +120,8 @@ void declare_scene(CLI::App& command, RenderArguments& arguments) {
             for (const std::string& text : definitions) {
               const std::size_t equals = text.find('=');
               if (equals == 0 || equals == std::string::npos) {
-                throw CLI::ValidationError("--define", fmt::format("'{}' is not of the form NAME=VALUE", text));
+                throw CLI::ValidationError("--define",
+                                           fmt::format("'{}' is not of the form NAME=VALUE", text));
               }
               scene.defines[text.substr(0, equals)] = text.substr(equals + 1);
             }

@@ -18,7 +18,8 @@ struct Polynomial {
   std::uint32_t coefficients;
   std::array<std::uint32_t, 3> initial;
 };
-constexpr std::array<Polynomial, 3> kPolynomials = {{{1, 0, {1, 0, 0}}, {2, 1, {1, 3, 0}}, {3, 1, {1, 3, 1}}}};
+constexpr std::array<Polynomial, 3> kPolynomials = {
+    {{1, 0, {1, 0, 0}}, {2, 1, {1, 3, 0}}, {3, 1, {1, 3, 1}}}};
 
 constexpr Directions make_directions(int dimension) {
   Directions v{};

@@ -46,8 +46,10 @@ std::vector<Strategy> make_strategies(const Bsdf& bsdf) {
   std::vector<const Lobe*> glossy;
   bool diffuse = false;
   for (const Lobe& lobe : bsdf.lobes) {
-    if (std::holds_alternative<LambertLobe>(lobe)) diffuse = true;
-    else glossy.push_back(&lobe);
+    if (std::holds_alternative<LambertLobe>(lobe))
+      diffuse = true;
+    else
+      glossy.push_back(&lobe);
   }
   if (glossy.empty()) return {{}};
   const int count = std::min<int>(static_cast<int>(glossy.size()), 4);
@@ -65,7 +67,10 @@ std::vector<Strategy> make_strategies(const Bsdf& bsdf) {
 class Gatherer {
  public:
   Gatherer(const Scene& scene, const RecordSite& site, const GatherOptions& options, RayCounts& counts)
-      : scene_(scene), options_(options), counts_(counts), bsdf_(scene.bsdfs()[static_cast<std::size_t>(site.point.material)]),
+      : scene_(scene),
+        options_(options),
+        counts_(counts),
+        bsdf_(scene.bsdfs()[static_cast<std::size_t>(site.point.material)]),
         strategies_(make_strategies(bsdf_)) {
     frame_.x = site.point.position.cast<float>();
     frame_.tangent = site.frame.tangent.cast<float>();
@@ -77,7 +82,8 @@ class Gatherer {
     geometric_normal_ = splat3(site.point.geometric_normal);
     to_camera_ = splat3(Vec3(site.to_camera.normalized()));
     // Off the surface and towards the camera: in a crease the second keeps the origin in the open.
-    const Vec3 lift = scene.radius() * (1e-5 * site.point.geometric_normal + 2e-5 * site.to_camera.normalized());
+    const Vec3 lift =
+        scene.radius() * (1e-5 * site.point.geometric_normal + 2e-5 * site.to_camera.normalized());
     origin_ = splat3(Vec3(site.point.position + lift));
     path_seed_ = static_cast<std::uint32_t>(hash(options.seed, site.key, 0x9a7u));
   }
@@ -107,10 +113,12 @@ class Gatherer {
     const UnitJet16 geometry = jet_of_linear(moving, s, -ny.x, -ny.y, -ny.z) * pow(moving.jet_rr, -2.0f);
     const F16 inverse_density = select(lit, 1.0f / density, F16{});
     for (const Lobe& lobe : bsdf_.lobes) {
-      std::visit([&](const auto& l) {
-        const V3x16 weight = tint(l, d) * (shape(l, d) * inverse_density);
-        sum_.add_product(weight, shape_jet(l, moving) * geometry, incident);
-      }, lobe);
+      std::visit(
+          [&](const auto& l) {
+            const V3x16 weight = tint(l, d) * (shape(l, d) * inverse_density);
+            sum_.add_product(weight, shape_jet(l, moving) * geometry, incident);
+          },
+          lobe);
     }
   }
 
@@ -150,8 +158,9 @@ class Gatherer {
   }
 
   /// Adds the radiance that the hits reflect of light from directions m, with its glossy-glossy jet.
-  void add_reflection(I16 active, const SurfacePoint16& hit, const V3x16& direction, const MovingPoint16& moving,
-                      const V3x16& m, const V3x16& radiance, RgbJet16& incident) const {
+  void add_reflection(I16 active, const SurfacePoint16& hit, const V3x16& direction,
+                      const MovingPoint16& moving, const V3x16& m, const V3x16& radiance,
+                      RgbJet16& incident) const {
     const Directions16 d = directions(hit.normal, -direction, m);
     FixedReflector16 y;
     y.n = to_frame(hit.normal);
@@ -161,38 +170,44 @@ class Gatherer {
     y.light_r = y.light.x * moving.r1 + y.light.y * moving.r2 + y.light.z * moving.nr;
     for_each_distinct(active, hit.material, [&](I16 mask, std::size_t id) {
       for (const Lobe& lobe : scene_.bsdfs()[id].lobes) {
-        std::visit([&](const auto& l) {
-          const V3x16 reflected = select(mask, radiance * tint(l, d) * shape(l, d), V3x16{});
-          if (options_.glossy_glossy) incident.add(reflected, masked(mask, reflector_jet(l, y, moving)));
-          else incident.value += reflected;
-        }, lobe);
+        std::visit(
+            [&](const auto& l) {
+              const V3x16 reflected = select(mask, radiance * tint(l, d) * shape(l, d), V3x16{});
+              if (options_.glossy_glossy)
+                incident.add(reflected, masked(mask, reflector_jet(l, y, moving)));
+              else
+                incident.value += reflected;
+            },
+            lobe);
       }
     });
   }
 
   static UnitJet16 masked(I16 mask, const UnitJet16& j) {
     const F16 zero{};
-    return {select(mask, j.g1, zero), select(mask, j.g2, zero), select(mask, j.h11, zero), select(mask, j.h12, zero),
-            select(mask, j.h22, zero)};
+    return {select(mask, j.g1, zero), select(mask, j.g2, zero), select(mask, j.h11, zero),
+            select(mask, j.h12, zero), select(mask, j.h22, zero)};
   }
 
-  void add_direct_light(I16 active, const SurfacePoint16& hit, const V3x16& direction, const MovingPoint16& moving,
-                        F16 u1, F16 u2, RgbJet16& incident) {
+  void add_direct_light(I16 active, const SurfacePoint16& hit, const V3x16& direction,
+                        const MovingPoint16& moving, F16 u1, F16 u2, RgbJet16& incident) {
     const LightSample16 light = scene_.lights().sample(hit.position, hit.normal, u1, u2);
     const I16 candidate = active & light.valid & (dot(light.direction, hit.geometric_normal) > 0.0f) &
                           (dot(light.direction, hit.normal) > 0.0f);
     if (!any(candidate)) return;
-    const I16 blocked = scene_.tracer().occluded(candidate, scene_.shadow_ray(hit, light), RayTracer::Coherence::kCoherent);
+    const I16 blocked =
+        scene_.tracer().occluded(candidate, scene_.shadow_ray(hit, light), RayTracer::Coherence::kCoherent);
     counts_.shadow += lane_count(candidate);
     add_reflection(candidate & ~blocked, hit, direction, moving, light.direction, light.radiance, incident);
   }
 
-  void add_bounced_light(I16 active, const SurfacePoint16& hit, const V3x16& direction, const MovingPoint16& moving,
-                         std::uint32_t first_index, RgbJet16& incident) {
+  void add_bounced_light(I16 active, const SurfacePoint16& hit, const V3x16& direction,
+                         const MovingPoint16& moving, std::uint32_t first_index, RgbJet16& incident) {
     const PathSampler16 sampler = {std::bit_cast<U16>(lane_index()) + first_index, splat(path_seed_)};
     const Sample4 u = sampler.vertex(0);
     const V3x16 m = sample_bsdf(scene_.bsdfs(), active, hit.material, hit.normal, -direction, u.u[0], u.u[1]);
-    const BsdfValue16 bsdf = evaluate_bsdf(scene_.bsdfs(), active, hit.material, directions(hit.normal, -direction, m));
+    const BsdfValue16 bsdf =
+        evaluate_bsdf(scene_.bsdfs(), active, hit.material, directions(hit.normal, -direction, m));
     active &= (dot(m, hit.geometric_normal) > 0.0f) & (bsdf.pdf > 1e-20f);
     if (!any(active)) return;
     const SurfacePoint16 next =
@@ -237,7 +252,9 @@ double batch_variance(F16 v, double rays) {
 RadianceEstimate Gatherer::finish(std::size_t rays) const {
   const double n = static_cast<double>(rays);
   RadianceEstimate result;
-  const auto channel = [&](const V3x16& v, int c) { return lane_total(c == 0 ? v.x : c == 1 ? v.y : v.z) / n; };
+  const auto channel = [&](const V3x16& v, int c) {
+    return lane_total(c == 0 ? v.x : c == 1 ? v.y : v.z) / n;
+  };
   const auto symmetric = [](double a, double b, double c) {
     Mat2 m;
     m << a, b, b, c;
@@ -251,8 +268,10 @@ RadianceEstimate Gatherer::finish(std::size_t rays) const {
   }
   const auto& rgb = result.radiance;
   result.luminance.value = luminance(std::array{rgb[0].value, rgb[1].value, rgb[2].value});
-  result.luminance.gradient = 0.212671 * rgb[0].gradient + 0.715160 * rgb[1].gradient + 0.072169 * rgb[2].gradient;
-  result.luminance.hessian = 0.212671 * rgb[0].hessian + 0.715160 * rgb[1].hessian + 0.072169 * rgb[2].hessian;
+  result.luminance.gradient =
+      0.212671 * rgb[0].gradient + 0.715160 * rgb[1].gradient + 0.072169 * rgb[2].gradient;
+  result.luminance.hessian =
+      0.212671 * rgb[0].hessian + 0.715160 * rgb[1].hessian + 0.072169 * rgb[2].hessian;
   const auto variance = [&](const V3x16& v) { return batch_variance(luminance(v), n); };
   result.variance.value = variance(sum_.value);
   result.variance.gradient = {variance(sum_.g1), variance(sum_.g2)};

@@ -69,7 +69,8 @@ std::array<Jet2, 3> fit(const RadianceCache& cache, std::size_t index, double me
     const double k = joint_distance(record.region, other.region.center, other.region.normal);
     if (k >= kReach) continue;
     const Vec3 d = other.region.center - record.region.center;
-    const Vec6 basis = taylor_basis(Vec2(d.dot(record.site.frame.tangent), d.dot(record.site.frame.bitangent)) / length);
+    const Vec6 basis =
+        taylor_basis(Vec2(d.dot(record.site.frame.tangent), d.dot(record.site.frame.bitangent)) / length);
     const double model = kModelError * scale * k * k * k;
     const double weight = 1.0 / (other.estimate.variance.value + floor * floor + model * model);
     normal += weight * basis * basis.transpose();

@@ -23,7 +23,11 @@ std::uint64_t coarse_to_fine_key(std::uint32_t x, std::uint32_t y, int levels) {
 }  // namespace
 
 PixelGrid::PixelGrid(const Scene& scene, const PlacementView& view, std::uint64_t& camera_rays)
-    : camera_(scene.camera()), x0_(view.x0), y0_(view.y0), width_(view.x1 - view.x0), height_(view.y1 - view.y0) {
+    : camera_(scene.camera()),
+      x0_(view.x0),
+      y0_(view.y0),
+      width_(view.x1 - view.x0),
+      height_(view.y1 - view.y0) {
   const std::size_t count = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   points_.resize(count);
   covered_.assign(count, 0);
@@ -83,8 +87,8 @@ PixelGrid::PixelRect PixelGrid::footprint(const ValidRegion& region) const {
   // The corners of a box around the ellipsoid: their hull's projection holds the ellipsoid's.
   for (int corner = 0; corner < 8; ++corner) {
     const auto sign = [&](int bit) { return (corner >> bit) & 1 ? 1.0 : -1.0; };
-    const Vec3 p = region.center + sign(0) * region.radius1 * region.axis1 + sign(1) * region.radius2 * region.axis2 +
-                   sign(2) * region.normal_radius * region.normal;
+    const Vec3 p = region.center + sign(0) * region.radius1 * region.axis1 +
+                   sign(1) * region.radius2 * region.axis2 + sign(2) * region.normal_radius * region.normal;
     const Vec3 d = p - camera_.origin;
     const double depth = d.dot(camera_.forward);
     if (depth <= 1e-3 * d.norm()) return everything;
@@ -96,7 +100,9 @@ PixelGrid::PixelRect PixelGrid::footprint(const ValidRegion& region) const {
     lo_y = std::min(lo_y, y);
     hi_y = std::max(hi_y, y);
   }
-  const auto clamp = [](double v, int limit) { return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(limit))); };
+  const auto clamp = [](double v, int limit) {
+    return static_cast<int>(std::clamp(v, 0.0, static_cast<double>(limit)));
+  };
   return {clamp(lo_x - x0_ - 1.0, width_), clamp(lo_y - y0_ - 1.0, height_), clamp(hi_x - x0_ + 2.0, width_),
           clamp(hi_y - y0_ + 2.0, height_)};
 }
@@ -104,7 +110,8 @@ PixelGrid::PixelRect PixelGrid::footprint(const ValidRegion& region) const {
 void PixelGrid::cover(const ValidRegion& region, std::int32_t smooth_region) {
   const PixelRect rect = footprint(region);
   const Vec3f center = region.center.cast<float>(), normal = region.normal.cast<float>();
-  const Vec3f a = (region.axis1 / region.radius1).cast<float>(), b = (region.axis2 / region.radius2).cast<float>();
+  const Vec3f a = (region.axis1 / region.radius1).cast<float>(),
+              b = (region.axis2 / region.radius2).cast<float>();
   const Vec3f c = (region.normal / region.normal_radius).cast<float>();
   const auto inverse_deviation = static_cast<float>(1.0 / std::max(1.0 - region.cos_max_deviation, 1e-12));
   for (int y = rect.y0; y < rect.y1; ++y) {

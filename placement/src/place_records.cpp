@@ -16,21 +16,25 @@
 namespace vrc {
 namespace {
 
-constexpr int kPilotStride = 32;          // pixels between the first records
+constexpr int kPilotStride = 32;  // pixels between the first records
 constexpr int kLog2PilotRays = 10;
-constexpr double kNoiseShare = 1.0;       // of the accepted error: a record's own noise
-constexpr double kNoiseLimit = 2.5;       // of the accepted error: beyond this a record is gathered again
+constexpr double kNoiseShare = 1.0;  // of the accepted error: a record's own noise
+constexpr double kNoiseLimit = 2.5;  // of the accepted error: beyond this a record is gathered again
 constexpr std::size_t kSmallestRound = 32;
-constexpr std::size_t kRoundShare = 8;    // a round makes at most 1/8 of the records so far
-constexpr int kSampleRounds = 6;          // passes over the samples that pixel centres miss
-constexpr int kCountRounds = 24;          // steps of the search for a wanted number of records
-constexpr double kCoarsestError = 2.0;    // where that search begins
+constexpr std::size_t kRoundShare = 8;  // a round makes at most 1/8 of the records so far
+constexpr int kSampleRounds = 6;        // passes over the samples that pixel centres miss
+constexpr int kCountRounds = 24;        // steps of the search for a wanted number of records
+constexpr double kCoarsestError = 2.0;  // where that search begins
 
 class ImagePlacement {
  public:
   ImagePlacement(const Scene& scene, const PlacementView& view, const CacheOptions& options, int bounces,
                  std::uint64_t seed, const RunControl& control)
-      : scene_(scene), view_(view), options_(options), control_(control), grid_(scene, view, result_.counts.camera) {
+      : scene_(scene),
+        view_(view),
+        options_(options),
+        control_(control),
+        grid_(scene, view, result_.counts.camera) {
     gather_.bounces = bounces;
     gather_.glossy_glossy = options.glossy_glossy;
     gather_.seed = seed;
@@ -126,7 +130,9 @@ class ImagePlacement {
   }
 
   /// With a wanted number of records the error is unknown: the default's noise is aimed at.
-  [[nodiscard]] double accepted_error() const { return options_.records > 0 ? CacheOptions{}.error : options_.error; }
+  [[nodiscard]] double accepted_error() const {
+    return options_.records > 0 ? CacheOptions{}.error : options_.error;
+  }
 
   /// Covers every pixel centre at a threshold, keeping the records there are; stops at `limit` records.
   void sweep(double epsilon, std::size_t limit = std::numeric_limits<std::size_t>::max()) {
@@ -137,9 +143,10 @@ class ImagePlacement {
       shape(record);
       grid_.cover(record.region, record.site.point.region);
     }
-    for (std::size_t next = 0; next < grid_.size() && result_.records.size() < limit && !result_.unfinished;) {
-      const std::size_t round =
-          std::min(std::max(kSmallestRound, result_.records.size() / kRoundShare), limit - result_.records.size());
+    for (std::size_t next = 0;
+         next < grid_.size() && result_.records.size() < limit && !result_.unfinished;) {
+      const std::size_t round = std::min(std::max(kSmallestRound, result_.records.size() / kRoundShare),
+                                         limit - result_.records.size());
       std::vector<RecordSite> sites;
       for (; next < grid_.size() && sites.size() < round; ++next) {
         if (grid_.is_open(grid_.order()[next])) sites.push_back(site_at(grid_.order()[next]));
@@ -164,7 +171,8 @@ class ImagePlacement {
     sweep(epsilon, wanted);
     for (int step = 0; step < kCountRounds && !result_.unfinished; ++step) {
       if (3 * result_.records.size() >= wanted) cover_samples();
-      const double ratio = static_cast<double>(wanted) / static_cast<double>(std::max<std::size_t>(result_.records.size(), 1));
+      const double ratio =
+          static_cast<double>(wanted) / static_cast<double>(std::max<std::size_t>(result_.records.size(), 1));
       if (ratio < 1.03) return;
       // The count grows about as epsilon^-0.46; approach from below, since records are kept.
       epsilon *= std::pow(std::clamp(0.85 * ratio, 1.08, 5.0), -1.0 / 0.46);
@@ -223,14 +231,16 @@ class ImagePlacement {
       const RadianceCache cache(result_.records, kWideSupport);
       std::vector<std::vector<OpenSample>> open(tiles.size());
       std::vector<RayCounts> counts(tiles.size());
-      parallel_for(tiles.size(), [&](std::size_t i) { open[i] = open_samples(cache, layout, tiles[i], counts[i]); });
+      parallel_for(tiles.size(),
+                   [&](std::size_t i) { open[i] = open_samples(cache, layout, tiles[i], counts[i]); });
       std::vector<RecordSite> sites;
       std::vector<std::size_t> again;
       for (std::size_t i = 0; i < tiles.size(); ++i) {
         result_.counts += counts[i];
         if (!open[i].empty()) again.push_back(tiles[i]);
         for (const OpenSample& s : open[i]) {
-          sites.push_back(make_site(scene_, scene_.surface_point(s.triangle, s.u, s.v, scene_.camera().origin), s.key));
+          sites.push_back(
+              make_site(scene_, scene_.surface_point(s.triangle, s.u, s.v, scene_.camera().origin), s.key));
         }
       }
       const std::size_t first = result_.records.size();
@@ -253,8 +263,8 @@ class ImagePlacement {
 
 }  // namespace
 
-PlacementResult place_records(const Scene& scene, const PlacementView& view, const CacheOptions& options, int bounces,
-                              std::uint64_t seed, const RunControl& control) {
+PlacementResult place_records(const Scene& scene, const PlacementView& view, const CacheOptions& options,
+                              int bounces, std::uint64_t seed, const RunControl& control) {
   return ImagePlacement(scene, view, options, bounces, seed, control).run();
 }
 

@@ -42,8 +42,11 @@ PackedRecord pack(const RadianceRecord& record) {
 
 /// Bounding box of an ellipsoid with the given half axes.
 Eigen::AlignedBox3f bounds(const ValidRegion& r, double support) {
-  const Vec3 half = support * ((r.axis1 * r.radius1).array().square() + (r.axis2 * r.radius2).array().square() +
-                               (r.normal * r.normal_radius).array().square()).sqrt().matrix();
+  const Vec3 half =
+      support * ((r.axis1 * r.radius1).array().square() + (r.axis2 * r.radius2).array().square() +
+                 (r.normal * r.normal_radius).array().square())
+                    .sqrt()
+                    .matrix();
   return {(r.center - half).cast<float>(), (r.center + half).cast<float>()};
 }
 
@@ -75,7 +78,8 @@ V3x16 extrapolate(const PackedRecord& record, const Coverage16& c, int order) {
   return {channel(0), channel(1), channel(2)};
 }
 
-RadianceCache::RadianceCache(std::vector<RadianceRecord> records, double max_support) : records_(std::move(records)) {
+RadianceCache::RadianceCache(std::vector<RadianceRecord> records, double max_support)
+    : records_(std::move(records)) {
   packed_.reserve(records_.size());
   std::vector<Eigen::AlignedBox3f> boxes;
   for (const RadianceRecord& record : records_) {

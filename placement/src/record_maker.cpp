@@ -7,21 +7,24 @@
 namespace vrc {
 namespace {
 
-constexpr double kDarkShare = 0.2;          // of the mean luminance, in `perceived`
+constexpr double kDarkShare = 0.2;            // of the mean luminance, in `perceived`
 constexpr double kMaximumPictureShare = 0.1;  // [Zhao 5]
 constexpr double kSteepWall = 0.5;            // sine of the least angle between surface and wall
 constexpr double kAlongCrease = 6.0;          // times the nearest hit: along the crease of a wall
 
 /// The same surface half a pixel farther from the nearest hit; nothing when the surface ends there.
-std::optional<SurfacePoint> moved_out_of_crease(const Scene& scene, const RecordSite& site, const Vec3& nearest) {
+std::optional<SurfacePoint> moved_out_of_crease(const Scene& scene, const RecordSite& site,
+                                                const Vec3& nearest) {
   const Vec3 tangential = nearest - nearest.dot(site.point.normal) * site.point.normal;
   if (tangential.norm() < 1e-6) return std::nullopt;
   const double step = 0.5 * site.pixel_length;
   const double height = site.pixel_length;
-  const Vec3 from = site.point.position - step * tangential.normalized() + height * site.point.geometric_normal;
+  const Vec3 from =
+      site.point.position - step * tangential.normalized() + height * site.point.geometric_normal;
   I16 first{};
   first[0] = -1;
-  const Ray16 ray = {splat3(from), splat3(Vec3(-site.point.geometric_normal)), splat(static_cast<float>(2.0 * height))};
+  const Ray16 ray = {splat3(from), splat3(Vec3(-site.point.geometric_normal)),
+                     splat(static_cast<float>(2.0 * height))};
   const Hit16 hit = scene.tracer().intersect(first, ray, RayTracer::Coherence::kIncoherent);
   if (hit.hit[0] == 0) return std::nullopt;
   const auto triangle = static_cast<std::uint32_t>(hit.triangle[0]);
@@ -54,7 +57,8 @@ RegionAxes within_nearest_hit(const RegionAxes& axes, const RadianceRecord& reco
   const double nearest = record.estimate.nearest_hit;
   if (!std::isfinite(nearest)) return axes;
   const Frame& frame = record.site.frame;
-  const Vec2 wall(record.estimate.nearest_normal.dot(frame.tangent), record.estimate.nearest_normal.dot(frame.bitangent));
+  const Vec2 wall(record.estimate.nearest_normal.dot(frame.tangent),
+                  record.estimate.nearest_normal.dot(frame.bitangent));
   const double steepness = wall.norm();
   if (steepness < kSteepWall) return intersection(axes, Vec2::UnitX(), nearest, nearest);
   return intersection(axes, wall / steepness, nearest, kAlongCrease * nearest);
@@ -72,8 +76,8 @@ void shape_record(RadianceRecord& record, const RegionRule& rule) {
 
   const Jet2& brightness = record.estimate.luminance;
   const double reference = perceived(brightness.value, rule.mean_luminance);
-  RegionAxes axes = hessian_radii(brightness, reference, rule.epsilon * picture * picture, rule.options->gradient_share,
-                                  kMaximumPictureShare * picture);
+  RegionAxes axes = hessian_radii(brightness, reference, rule.epsilon * picture * picture,
+                                  rule.options->gradient_share, kMaximumPictureShare * picture);
   if (rule.options->metric == PlacementMetric::kUniform) {
     axes.radius1 = axes.radius2 = rule.uniform_radius * picture;
   } else {
@@ -96,8 +100,10 @@ void shape_record(RadianceRecord& record, const RegionRule& rule) {
 void set_radiance(RadianceRecord& record, const std::array<Jet2, 3>& jets, double mean_luminance) {
   const ValidRegion& region = record.region;
   const Frame& frame = record.site.frame;
-  const Vec2 half1 = region.radius1 * Vec2(region.axis1.dot(frame.tangent), region.axis1.dot(frame.bitangent));
-  const Vec2 half2 = region.radius2 * Vec2(region.axis2.dot(frame.tangent), region.axis2.dot(frame.bitangent));
+  const Vec2 half1 =
+      region.radius1 * Vec2(region.axis1.dot(frame.tangent), region.axis1.dot(frame.bitangent));
+  const Vec2 half2 =
+      region.radius2 * Vec2(region.axis2.dot(frame.tangent), region.axis2.dot(frame.bitangent));
   record.radiance = jets;
   record.clamp_factor = 1.0;
   // Derivatives hold no farther than the nearest hit; a region that the minimum radius makes larger
@@ -132,7 +138,8 @@ RadianceRecord make_record(const Scene& scene, const RecordSite& site, const Gat
     const double wanted = goal.relative * perceived(record.estimate.luminance.value, goal.mean_luminance);
     GatherOptions more = gather;
     more.log2_rays = log2_rays_for(gather.log2_rays, deviation, wanted);
-    if (more.log2_rays > gather.log2_rays) record.estimate = gather_radiance(scene, record.site, more, counts);
+    if (more.log2_rays > gather.log2_rays)
+      record.estimate = gather_radiance(scene, record.site, more, counts);
   }
   return record;
 }

@@ -8,7 +8,8 @@ namespace vrc {
 
 Tile empty_tile(const TileLayout& layout, std::size_t index) {
   Tile tile;
-  const int column = static_cast<int>(index) % layout.columns(), row = static_cast<int>(index) / layout.columns();
+  const int column = static_cast<int>(index) % layout.columns(),
+            row = static_cast<int>(index) / layout.columns();
   tile.x0 = layout.x0 + column * kTileSize;
   tile.y0 = layout.y0 + row * kTileSize;
   tile.x1 = std::min(tile.x0 + kTileSize, layout.x1);
@@ -25,7 +26,8 @@ Tile trace_tile(const Scene& scene, const FilmSampler& film, const TileLayout& l
       for (int k = 0; k < range.count; ++k) {
         tile.packets.push_back(film.packet(x, y, range.first + k));
         const CameraPacket& packet = tile.packets.back();
-        tile.points.push_back(scene.intersect(packet.active, film.ray(packet), RayTracer::Coherence::kCoherent));
+        tile.points.push_back(
+            scene.intersect(packet.active, film.ray(packet), RayTracer::Coherence::kCoherent));
         counts.camera += lane_count(packet.active);
       }
     }
@@ -46,9 +48,10 @@ TileRecords::TileRecords(const RadianceCache& cache, const Tile& tile) : cache_(
     const std::size_t first = candidates_.size();
     cache.find(box, candidates_);
     const auto begin = candidates_.begin() + static_cast<std::ptrdiff_t>(first);
-    candidates_.erase(std::remove_if(begin, candidates_.end(),
-                                     [&, id = region](std::uint32_t i) { return cache.packed()[i].region != id; }),
-                      candidates_.end());
+    candidates_.erase(
+        std::remove_if(begin, candidates_.end(),
+                       [&, id = region](std::uint32_t i) { return cache.packed()[i].region != id; }),
+        candidates_.end());
   }
 }
 

@@ -18,7 +18,8 @@ constexpr int kDirectSamplesWithCache = 4;  // light samples per camera sample w
 /// Channel offsets of the result's image.
 struct Layers {
   int direct = 3, indirect = 6, albedo = -1, normal = -1, depth = -1;
-  std::vector<std::string> names = {"R", "G", "B", "direct.R", "direct.G", "direct.B", "indirect.R", "indirect.G", "indirect.B"};
+  std::vector<std::string> names = {"R",        "G",          "B",          "direct.R",  "direct.G",
+                                    "direct.B", "indirect.R", "indirect.G", "indirect.B"};
 
   explicit Layers(bool aovs) {
     if (!aovs) return;
@@ -40,13 +41,17 @@ void add_to(float* pixel, I16 mask, const V3x16& v) {
 class Renderer {
  public:
   Renderer(const Scene& scene, const RenderOptions& options, const RunControl& control)
-      : scene_(scene), options_(options), control_(control), layers_(options.aovs),
+      : scene_(scene),
+        options_(options),
+        control_(control),
+        layers_(options.aovs),
         film_(scene.camera(), scene.film(), options.samples_per_pixel, options.seed) {
     const Camera& camera = scene.camera();
     const CropWindow window = options.crop.value_or(CropWindow{0, 0, camera.width, camera.height});
     layout_ = {window.x0, window.y0, window.x1, window.y1};
     wants_direct_ = options.only != Component::kIndirect;
-    wants_indirect_ = options.only != Component::kDirect && options.method != Method::kDirect && options.bounces != 0;
+    wants_indirect_ =
+        options.only != Component::kDirect && options.method != Method::kDirect && options.bounces != 0;
     light_samples_ = options.light_samples > 0          ? options.light_samples
                      : options.method == Method::kCache ? kDirectSamplesWithCache
                                                         : 1;
@@ -65,7 +70,8 @@ class Renderer {
       if (!control_.stopped()) render_tile(i, result.image, counts[i]);
       done.fetch_add(1);
       if (const std::unique_lock lock(reporting, std::try_to_lock); lock) {
-        control_.report({"render", static_cast<double>(done.load()) / static_cast<double>(layout_.count()), 0, 0});
+        control_.report(
+            {"render", static_cast<double>(done.load()) / static_cast<double>(layout_.count()), 0, 0});
       }
     });
     result.stats.phases.push_back(timer.elapsed());
@@ -81,7 +87,8 @@ class Renderer {
  private:
   void place(RenderResult& result) {
     const PlacementView view = {layout_.x0, layout_.y0, layout_.x1, layout_.y1, &film_};
-    PlacementResult placed = place_records(scene_, view, options_.cache, options_.bounces, options_.seed, control_);
+    PlacementResult placed =
+        place_records(scene_, view, options_.cache, options_.bounces, options_.seed, control_);
     counts_ += placed.counts;
     result.stats.phases = std::move(placed.phases);
     result.stats.records = placed.records.size();
@@ -99,7 +106,8 @@ class Renderer {
       for (int y = tile.y0; y < tile.y1; ++y) {
         for (int x = tile.x0; x < tile.x1; ++x) {
           for (int k = 0; k < range.count && !control_.stopped(); ++k, ++packet) {
-            shade(tile.packets[packet], tile.points[packet], records ? &*records : nullptr, image.pixel(x, y), counts);
+            shade(tile.packets[packet], tile.points[packet], records ? &*records : nullptr, image.pixel(x, y),
+                  counts);
           }
         }
       }
@@ -123,11 +131,13 @@ class Renderer {
       if (wants_direct_) {
         const PathOptions path = {0, false, true};
         for (int i = 0; i < light_samples_; ++i) {
-          add_scaled(pixel, packet.active,
-                     trace_paths(scene_, p, packet.direction, packet.active, sampler(packet, i), path, counts));
+          add_scaled(
+              pixel, packet.active,
+              trace_paths(scene_, p, packet.direction, packet.active, sampler(packet, i), path, counts));
         }
       }
-      if (records != nullptr) add_to(pixel + layers_.indirect, p.scatters, interpolate(*records, p, options_.cache.taylor_order));
+      if (records != nullptr)
+        add_to(pixel + layers_.indirect, p.scatters, interpolate(*records, p, options_.cache.taylor_order));
     }
     if (options_.aovs) add_aovs(packet, p, pixel);
   }
@@ -157,7 +167,8 @@ class Renderer {
     const float scale = 1.0f / static_cast<float>(options_.samples_per_pixel);
     for (std::size_t c = 3; c < layers_.names.size(); ++c) pixel[c] *= scale;
     for (int c = 0; c < 3; ++c) {
-      pixel[c] = (wants_direct_ ? pixel[layers_.direct + c] : 0.0f) + (wants_indirect_ ? pixel[layers_.indirect + c] : 0.0f);
+      pixel[c] = (wants_direct_ ? pixel[layers_.direct + c] : 0.0f) +
+                 (wants_indirect_ ? pixel[layers_.indirect + c] : 0.0f);
     }
   }
 

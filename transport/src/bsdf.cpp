@@ -20,7 +20,8 @@ float Bsdf::sharpness() const {
   for (const Lobe& lobe : lobes) {
     if (const auto* phong = std::get_if<PhongLobe>(&lobe)) result = std::max(result, phong->exponent);
     // A GGX lobe of half-vector width alpha is as narrow as a Phong lobe of exponent 1 / (2 alpha^2).
-    if (const auto* ggx = std::get_if<GgxLobe>(&lobe)) result = std::max(result, 0.5f / (ggx->alpha * ggx->alpha));
+    if (const auto* ggx = std::get_if<GgxLobe>(&lobe))
+      result = std::max(result, 0.5f / (ggx->alpha * ggx->alpha));
   }
   return result;
 }
@@ -38,10 +39,12 @@ BsdfValue16 evaluate_bsdf(const std::vector<Bsdf>& bsdfs, I16 active, I16 materi
     F16 density{};
     const Bsdf& bsdf = bsdfs[id];
     for (std::size_t i = 0; i < bsdf.lobes.size(); ++i) {
-      std::visit([&](const auto& lobe) {
-        value += tint(lobe, d) * shape(lobe, d);
-        density += bsdf.probabilities[i] * pdf(lobe, d);
-      }, bsdf.lobes[i]);
+      std::visit(
+          [&](const auto& lobe) {
+            value += tint(lobe, d) * shape(lobe, d);
+            density += bsdf.probabilities[i] * pdf(lobe, d);
+          },
+          bsdf.lobes[i]);
     }
     result.f_cos = select(mask, value, result.f_cos);
     result.pdf = select(mask, density, result.pdf);
@@ -49,8 +52,8 @@ BsdfValue16 evaluate_bsdf(const std::vector<Bsdf>& bsdfs, I16 active, I16 materi
   return result;
 }
 
-V3x16 sample_bsdf(const std::vector<Bsdf>& bsdfs, I16 active, I16 material, const V3x16& n, const V3x16& wo, F16 u1,
-                  F16 u2) {
+V3x16 sample_bsdf(const std::vector<Bsdf>& bsdfs, I16 active, I16 material, const V3x16& n, const V3x16& wo,
+                  F16 u1, F16 u2) {
   V3x16 result{};
   for_each_distinct(active, material, [&](I16 mask, std::size_t id) {
     const Bsdf& bsdf = bsdfs[id];
@@ -61,8 +64,9 @@ V3x16 sample_bsdf(const std::vector<Bsdf>& bsdfs, I16 active, I16 material, cons
       const I16 chosen = mask & (u1 >= begin) & (u1 < end);
       if (any(chosen) && end > begin) {
         const F16 stretched = min(max((u1 - begin) / (end - begin), 0.0f), 0x1.fffffep-1f);
-        std::visit([&](const auto& lobe) { result = select(chosen, sample(lobe, n, wo, stretched, u2), result); },
-                   bsdf.lobes[i]);
+        std::visit(
+            [&](const auto& lobe) { result = select(chosen, sample(lobe, n, wo, stretched, u2), result); },
+            bsdf.lobes[i]);
       }
       begin = end;
     }

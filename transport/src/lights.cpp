@@ -8,9 +8,11 @@
 
 namespace vrc {
 
-Lights::Lights(std::vector<EmissiveTriangle> triangles, std::vector<DeltaLight> delta_lights, const Rgb& environment,
-               double scene_radius)
-    : triangles_(std::move(triangles)), delta_lights_(std::move(delta_lights)), environment_(environment),
+Lights::Lights(std::vector<EmissiveTriangle> triangles, std::vector<DeltaLight> delta_lights,
+               const Rgb& environment, double scene_radius)
+    : triangles_(std::move(triangles)),
+      delta_lights_(std::move(delta_lights)),
+      environment_(environment),
       far_(static_cast<float>(4.0 * scene_radius)) {
   const double disk = kPi * scene_radius * scene_radius;
   std::vector<double> powers;
@@ -59,7 +61,8 @@ Lights::Chosen Lights::choose(F16 u1) const {
   } else {
     for (int lane = 0; lane < kLanes; ++lane) {
       const auto it = std::ranges::upper_bound(entries_, u1[lane], {}, &Entry::cdf_end);
-      const auto i = std::min<std::size_t>(static_cast<std::size_t>(it - entries_.begin()), entries_.size() - 1);
+      const auto i =
+          std::min<std::size_t>(static_cast<std::size_t>(it - entries_.begin()), entries_.size() - 1);
       const Entry& e = entries_[i];
       result.entry[lane] = static_cast<std::int32_t>(i);
       result.u[lane] = (u1[lane] - e.cdf_begin) / std::max(e.cdf_end - e.cdf_begin, 1e-30f);
@@ -107,7 +110,8 @@ LightSample16 Lights::sample(const V3x16& position, const V3x16& n, F16 u1, F16 
         out.valid = select(mask, mask, out.valid);
         out.direction = select(mask, to_light * (1.0f / distance), out.direction);
         out.distance = select(mask, distance, out.distance);
-        out.radiance = select(mask, splat3(light.intensity) * (1.0f / (e.probability * distance2)), out.radiance);
+        out.radiance =
+            select(mask, splat3(light.intensity) * (1.0f / (e.probability * distance2)), out.radiance);
         break;
       }
       case Kind::kDirectional: {

@@ -68,7 +68,8 @@ MovingPoint16 moving_point(const RecordFrame& frame, const V3x16& r) {
                          -value * s2(0, 0) - p.s11, -value * s2(0, 1) - p.s12, -value * s2(1, 1) - p.s22);
   };
   const auto square_jet = [&](F16 value, F16 normal, F16 t1, F16 t2) {
-    return unit_jet<F16>(2.0f / value, -t1, -t2, 1.0f + normal * p.s11, normal * p.s12, 1.0f + normal * p.s22);
+    return unit_jet<F16>(2.0f / value, -t1, -t2, 1.0f + normal * p.s11, normal * p.s12,
+                         1.0f + normal * p.s22);
   };
   p.jet_nr = normal_jet(p.nr, p.r1, p.r2);
   p.jet_nv = normal_jet(p.nv, p.v1, p.v2);
@@ -115,7 +116,8 @@ UnitJet16 shape_jet(const GgxLobe& lobe, const MovingPoint16& p) {
                          (length_product * jet_lengths.h11 + 2.0f + hv * p.s11) * inverse,
                          (length_product * jet_lengths.h12 + hv * p.s12) * inverse,
                          (length_product * jet_lengths.h22 + 2.0f + hv * p.s22) * inverse};
-  const ValueJet h2 = multiply({2.0f * one_plus, sum}, {inverse_r * inverse_v, jet_inverse_r * jet_inverse_v});
+  const ValueJet h2 =
+      multiply({2.0f * one_plus, sum}, {inverse_r * inverse_v, jet_inverse_r * jet_inverse_v});
   const ValueJet hn = add(in, on);
   const F16 t1 = p.r1 * inverse_r + p.v1 * inverse_v, t2 = p.r2 * inverse_r + p.v2 * inverse_v;
   const F16 base = t1 * t1 + t2 * t2 + (lobe.alpha * lobe.alpha) * hn.value * hn.value;
@@ -136,12 +138,14 @@ UnitJet16 reflector_jet(const GgxLobe& lobe, const FixedReflector16& y, const Mo
   const F16 inverse_r = 1.0f / sqrt(p.rr);
   const UnitJet16 jet_inverse_r = pow(p.jet_rr, -0.5f);
   const F16 facing = max(-y.nr, kSmallestCosine * sqrt(p.rr));
-  const ValueJet outgoing = {facing * inverse_r, jet_of_linear(p, facing, -y.n.x, -y.n.y, -y.n.z) * jet_inverse_r};
+  const ValueJet outgoing = {facing * inverse_r,
+                             jet_of_linear(p, facing, -y.n.x, -y.n.y, -y.n.z) * jet_inverse_r};
   const F16 length = p.rr * inverse_r;
   const UnitJet16 jet_length = pow(p.jet_rr, 0.5f);
   const F16 one_plus = max(length - y.light_r, 1e-6f * length);
   const F16 inverse = 1.0f / one_plus;
-  const UnitJet16 sum = {(length * jet_length.g1 + y.light.x) * inverse, (length * jet_length.g2 + y.light.y) * inverse,
+  const UnitJet16 sum = {(length * jet_length.g1 + y.light.x) * inverse,
+                         (length * jet_length.g2 + y.light.y) * inverse,
                          (length * jet_length.h11 - y.light.z * p.s11) * inverse,
                          (length * jet_length.h12 - y.light.z * p.s12) * inverse,
                          (length * jet_length.h22 - y.light.z * p.s22) * inverse};

@@ -62,7 +62,8 @@ F16 shape(const LambertLobe&, const Directions16& d) {
   return select(both_above(d), d.cos_i * (1.0f / kPiF), F16{});
 }
 F16 shape(const PhongLobe& lobe, const Directions16& d) {
-  const F16 value = pow(max(phong_cosine(d), 0.0f), lobe.exponent) * d.cos_i * ((lobe.exponent + 2.0f) / (2.0f * kPiF));
+  const F16 value =
+      pow(max(phong_cosine(d), 0.0f), lobe.exponent) * d.cos_i * ((lobe.exponent + 2.0f) / (2.0f * kPiF));
   return select(both_above(d), value, F16{});
 }
 F16 shape(const GgxLobe& lobe, const Directions16& d) {
@@ -110,7 +111,8 @@ V3x16 sample(const GgxLobe& lobe, const V3x16& n, const V3x16& wo, F16 u1, F16 u
   const F16 length2 = stretched.x * stretched.x + stretched.y * stretched.y;
   const F16 inverse = 1.0f / sqrt(max(length2, 1e-20f));
   const I16 tilted = length2 > 1e-14f;
-  const V3x16 t1 = {select(tilted, -stretched.y * inverse, splat(1.0f)), select(tilted, stretched.x * inverse, F16{}), F16{}};
+  const V3x16 t1 = {select(tilted, -stretched.y * inverse, splat(1.0f)),
+                    select(tilted, stretched.x * inverse, F16{}), F16{}};
   const V3x16 t2 = cross(stretched, t1);
   const F16 radius = sqrt(u1);
   const SinCos16 phi = sincos_2pi(u2);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "transport/path_tracer.h"
 
-
 namespace vrc {
 namespace {
 
@@ -20,18 +19,20 @@ V3x16 sampled_light(const Scene& scene, const SurfacePoint16& p, const V3x16& wo
   const LightSample16 light = scene.lights().sample(p.position, p.normal, u1, u2);
   const I16 candidate = active & light.valid & (dot(light.direction, p.geometric_normal) > 0.0f);
   if (!any(candidate)) return V3x16{};
-  const BsdfValue16 bsdf = evaluate_bsdf(scene.bsdfs(), candidate, p.material, directions(p.normal, wo, light.direction));
+  const BsdfValue16 bsdf =
+      evaluate_bsdf(scene.bsdfs(), candidate, p.material, directions(p.normal, wo, light.direction));
   const I16 useful = candidate & (luminance(bsdf.f_cos) > 0.0f);
   if (!any(useful)) return V3x16{};
-  const I16 blocked = scene.tracer().occluded(useful, scene.shadow_ray(p, light), RayTracer::Coherence::kCoherent);
+  const I16 blocked =
+      scene.tracer().occluded(useful, scene.shadow_ray(p, light), RayTracer::Coherence::kCoherent);
   counts.shadow += lane_count(useful);
   const F16 weight = select(light.pdf > 0.0f, power_heuristic(light.pdf, bsdf.pdf), splat(1.0f));
   return select(useful & ~blocked, light.radiance * bsdf.f_cos * weight, V3x16{});
 }
 
 /// Emission met by a ray from a point with normal n, sampled with density `pdf`.
-V3x16 met_emission(const Scene& scene, const SurfacePoint16& hit, I16 active, const V3x16& direction, F16 cosine,
-                   F16 pdf) {
+V3x16 met_emission(const Scene& scene, const SurfacePoint16& hit, I16 active, const V3x16& direction,
+                   F16 cosine, F16 pdf) {
   const I16 on_light = active & hit.hit & (hit.light >= 0);
   V3x16 result{};
   if (any(on_light)) {
@@ -60,7 +61,8 @@ void follow(const Scene& scene, const SurfacePoint16& first, const V3x16& direct
     const Sample4 u = sampler.vertex(static_cast<std::uint32_t>(vertex));
     const bool wants_light = vertex > 0 || first_light;
     if (wants_light) {
-      add(vertex, select(active, throughput * sampled_light(scene, p, wo, active, u.u[0], u.u[1], counts), V3x16{}));
+      add(vertex,
+          select(active, throughput * sampled_light(scene, p, wo, active, u.u[0], u.u[1], counts), V3x16{}));
     }
 
     const V3x16 wi = sample_bsdf(scene.bsdfs(), active, p.material, p.normal, wo, u.u[2], u.u[3]);
@@ -75,10 +77,12 @@ void follow(const Scene& scene, const SurfacePoint16& first, const V3x16& direct
       active &= roulette.u[0] < survival;
       throughput = throughput * (1.0f / survival);
     }
-    const SurfacePoint16 next = scene.intersect(active, {scene.lifted(p), wi, splat(1e17f)}, RayTracer::Coherence::kIncoherent);
+    const SurfacePoint16 next =
+        scene.intersect(active, {scene.lifted(p), wi, splat(1e17f)}, RayTracer::Coherence::kIncoherent);
     counts.other += lane_count(active);
     if (wants_light) {
-      add(vertex, select(active, throughput * met_emission(scene, next, active, wi, d.cos_i, bsdf.pdf), V3x16{}));
+      add(vertex,
+          select(active, throughput * met_emission(scene, next, active, wi, d.cos_i, bsdf.pdf), V3x16{}));
     }
     active &= next.scatters;
     wo = -wi;
@@ -90,17 +94,21 @@ int last_vertex(int bounces) { return bounces < 0 ? kUnboundedDepth : bounces; }
 
 }  // namespace
 
-PathRadiance16 trace_paths(const Scene& scene, const SurfacePoint16& first, const V3x16& direction, I16 active,
-                           const PathSampler16& sampler, const PathOptions& options, RayCounts& counts) {
+PathRadiance16 trace_paths(const Scene& scene, const SurfacePoint16& first, const V3x16& direction,
+                           I16 active, const PathSampler16& sampler, const PathOptions& options,
+                           RayCounts& counts) {
   PathRadiance16 result;
   if (options.direct) {
     const I16 on_light = active & first.hit & (first.light >= 0);
-    if (any(on_light)) result.direct += select(on_light, scene.lights().emitted(on_light, first.light, direction), V3x16{});
+    if (any(on_light))
+      result.direct += select(on_light, scene.lights().emitted(on_light, first.light, direction), V3x16{});
     result.direct += select(active & ~first.hit, splat3(scene.lights().environment()), V3x16{});
   }
   const int last = options.indirect ? last_vertex(options.bounces) : 0;
   follow(scene, first, direction, active & first.hit, sampler, last, options.direct, counts,
-         [&](int vertex, const V3x16& radiance) { (vertex == 0 ? result.direct : result.indirect) += radiance; });
+         [&](int vertex, const V3x16& radiance) {
+           (vertex == 0 ? result.direct : result.indirect) += radiance;
+         });
   return result;
 }
 

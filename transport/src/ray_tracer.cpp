@@ -66,11 +66,12 @@ RayTracer::RayTracer(std::span<const float> positions, std::span<const std::uint
   rtcSetSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_HIGH);
 
   RTCGeometry geometry = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                               3 * sizeof(float), positions.size() / 3));
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), positions.size() / 3));
   auto* triangles = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
       geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), indices.size() / 3));
-  VRC_CHECK(vertices != nullptr && triangles != nullptr, "Embree could not allocate {} triangles", indices.size() / 3);
+  VRC_CHECK(vertices != nullptr && triangles != nullptr, "Embree could not allocate {} triangles",
+            indices.size() / 3);
   std::ranges::copy(positions, vertices);
   std::ranges::copy(indices, triangles);
   rtcCommitGeometry(geometry);

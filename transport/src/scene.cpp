@@ -71,11 +71,14 @@ Scene::Scene(const SceneDescription& description) : camera_(description.camera),
     bounds.extend(shape.soup.bounds());
   }
   if (triangles_.size() > kMaxTriangles) {
-    throw InputError(description.source, 0, fmt::format("{} triangles are too many; {} is the most", triangles_.size(), kMaxTriangles));
+    throw InputError(
+        description.source, 0,
+        fmt::format("{} triangles are too many; {} is the most", triangles_.size(), kMaxTriangles));
   }
   if (triangles_.empty()) throw InputError(description.source, 0, "the scene has no surfaces; add a shape");
   radius_ = 0.5 * bounds.diagonal().norm();
-  if (!(radius_ > 0.0)) throw InputError(description.source, 0, "all surfaces lie in one point; check the scale");
+  if (!(radius_ > 0.0))
+    throw InputError(description.source, 0, "all surfaces lie in one point; check the scale");
 
   std::vector<std::uint32_t> indices(3 * triangles_.size());
   for (std::size_t i = 0; i < indices.size(); ++i) indices[i] = static_cast<std::uint32_t>(i);
@@ -87,7 +90,8 @@ void Scene::add_shape(const ShapeDescription& shape, std::vector<EmissiveTriangl
                       std::vector<float>& vertices) {
   SurfaceMeshOptions options;
   options.face_normals = shape.face_normals;
-  surfaces_.push_back(std::make_unique<Surface>(static_cast<std::uint32_t>(triangles_.size()), shape.soup, options));
+  surfaces_.push_back(
+      std::make_unique<Surface>(static_cast<std::uint32_t>(triangles_.size()), shape.soup, options));
   Surface& surface = *surfaces_.back();
   const SurfaceMesh& mesh = surface.mesh;
   bool curved = false;
@@ -107,8 +111,8 @@ void Scene::add_shape(const ShapeDescription& shape, std::vector<EmissiveTriangl
     const Rgb emission = slot < shape.emission.size() ? shape.emission[slot] : Rgb::Zero().eval();
     if (emission.maxCoeff() > 0.0f) {
       t.light = static_cast<std::int32_t>(lights.size());
-      lights.push_back({p0.cast<float>(), (p1 - p0).cast<float>(), (p2 - p0).cast<float>(), normal.cast<float>(),
-                        static_cast<float>(mesh.face_area(face)), emission,
+      lights.push_back({p0.cast<float>(), (p1 - p0).cast<float>(), (p2 - p0).cast<float>(),
+                        normal.cast<float>(), static_cast<float>(mesh.face_area(face)), emission,
                         static_cast<std::uint32_t>(triangles_.size())});
     }
     t.smooth = 0;
@@ -178,7 +182,8 @@ Ray16 Scene::shadow_ray(const SurfacePoint16& p, const LightSample16& light) con
 }
 
 SurfacePoint Scene::surface_point(std::uint32_t triangle, float u, float v, const Vec3& viewer) const {
-  const auto next = std::ranges::upper_bound(surfaces_, triangle, {}, [](const auto& s) { return s->first_triangle; });
+  const auto next =
+      std::ranges::upper_bound(surfaces_, triangle, {}, [](const auto& s) { return s->first_triangle; });
   const Surface& surface = **std::prev(next);
   const std::size_t face = triangle - surface.first_triangle;
   const auto c = surface.mesh.positions(face);

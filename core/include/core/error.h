@@ -29,10 +29,10 @@ class Interrupted : public std::runtime_error {
 }  // namespace vrc
 
 /// Aborts with the condition and a message when an invariant of the program itself is broken.
-#define VRC_CHECK(condition, ...)                                                            \
-  do {                                                                                       \
-    if (!(condition)) {                                                                      \
-      throw std::logic_error(fmt::format("{}:{}: check failed: {}: {}", __FILE__, __LINE__,  \
-                                         #condition, fmt::format(__VA_ARGS__)));             \
-    }                                                                                        \
+#define VRC_CHECK(condition, ...)                                                                       \
+  do {                                                                                                  \
+    if (!(condition)) {                                                                                 \
+      throw std::logic_error(fmt::format("{}:{}: check failed: {}: {}", __FILE__, __LINE__, #condition, \
+                                         fmt::format(__VA_ARGS__)));                                    \
+    }                                                                                                   \
   } while (false)

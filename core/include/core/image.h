@@ -18,7 +18,9 @@ struct Image {
 
   Image() = default;
   Image(int image_width, int image_height, std::vector<std::string> names)
-      : width(image_width), height(image_height), channels(std::move(names)),
+      : width(image_width),
+        height(image_height),
+        channels(std::move(names)),
         pixels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * channels.size(), 0.0f) {}
 
   [[nodiscard]] std::size_t pixel_count() const {

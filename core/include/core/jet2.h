@@ -14,9 +14,7 @@ struct UnitJet {
   T h11{}, h12{}, h22{};
 
   UnitJet operator*(const UnitJet& o) const {
-    return {g1 + o.g1, g2 + o.g2,
-            h11 + o.h11 + T(2.0f * (g1 * o.g1)),
-            h12 + o.h12 + T(g1 * o.g2 + g2 * o.g1),
+    return {g1 + o.g1, g2 + o.g2, h11 + o.h11 + T(2.0f * (g1 * o.g1)), h12 + o.h12 + T(g1 * o.g2 + g2 * o.g1),
             h22 + o.h22 + T(2.0f * (g2 * o.g2))};
   }
 };
@@ -25,14 +23,15 @@ struct UnitJet {
 template <typename T>
 [[nodiscard]] UnitJet<T> pow(const UnitJet<T>& j, float p) {
   const float pp = p * (p - 1.0f);
-  return {p * j.g1, p * j.g2,
-          p * j.h11 + pp * (j.g1 * j.g1), p * j.h12 + pp * (j.g1 * j.g2), p * j.h22 + pp * (j.g2 * j.g2)};
+  return {p * j.g1, p * j.g2, p * j.h11 + pp * (j.g1 * j.g1), p * j.h12 + pp * (j.g1 * j.g2),
+          p * j.h22 + pp * (j.g2 * j.g2)};
 }
 
 /// The jet of a factor with value `value`, gradient `g` and Hessian `h` (not yet divided).
 template <typename T>
 [[nodiscard]] UnitJet<T> unit_jet(T inverse_value, T g1, T g2, T h11, T h12, T h22) {
-  return {g1 * inverse_value, g2 * inverse_value, h11 * inverse_value, h12 * inverse_value, h22 * inverse_value};
+  return {g1 * inverse_value, g2 * inverse_value, h11 * inverse_value, h12 * inverse_value,
+          h22 * inverse_value};
 }
 
 /// The jet of (a f + b g) / (a + b) with a, b the values of f and g.
@@ -41,8 +40,8 @@ template <typename T>
   const T inverse = 1.0f / (a + b);
   const T wa = a * inverse;
   const T wb = b * inverse;
-  return {wa * f.g1 + wb * g.g1, wa * f.g2 + wb * g.g2,
-          wa * f.h11 + wb * g.h11, wa * f.h12 + wb * g.h12, wa * f.h22 + wb * g.h22};
+  return {wa * f.g1 + wb * g.g1, wa * f.g2 + wb * g.g2, wa * f.h11 + wb * g.h11, wa * f.h12 + wb * g.h12,
+          wa * f.h22 + wb * g.h22};
 }
 
 /// A scalar with its gradient and Hessian in the two tangent coordinates of a point:

@@ -14,7 +14,7 @@ namespace vrc {
 // Sixteen lanes, the width of an Embree packet. The compiler splits them on narrower machines.
 inline constexpr int kLanes = 16;
 using F16 = float __attribute__((vector_size(64)));
-using I16 = std::int32_t __attribute__((vector_size(64)));   ///< Integers, or a mask of 0 and -1.
+using I16 = std::int32_t __attribute__((vector_size(64)));  ///< Integers, or a mask of 0 and -1.
 using U16 = std::uint32_t __attribute__((vector_size(64)));
 
 [[nodiscard]] inline F16 splat(float value) { return F16{} + value; }
@@ -51,7 +51,8 @@ using U16 = std::uint32_t __attribute__((vector_size(64)));
 
 [[nodiscard]] inline F16 floor(F16 v) {
 #if defined(__AVX512F__)
-  return std::bit_cast<F16>(_mm512_maskz_roundscale_ps(0xffff, std::bit_cast<__m512>(v), _MM_FROUND_TO_NEG_INF));
+  return std::bit_cast<F16>(
+      _mm512_maskz_roundscale_ps(0xffff, std::bit_cast<__m512>(v), _MM_FROUND_TO_NEG_INF));
 #else
   F16 result;
   for (int i = 0; i < kLanes; ++i) result[i] = std::floor(v[i]);
@@ -77,7 +78,8 @@ using U16 = std::uint32_t __attribute__((vector_size(64)));
 /// base[index[i]] for every lane; all indices must be readable.
 [[nodiscard]] inline F16 gather(const float* base, I16 index) {
 #if defined(__AVX512F__)
-  return std::bit_cast<F16>(_mm512_mask_i32gather_ps(_mm512_setzero_ps(), 0xffff, std::bit_cast<__m512i>(index), base, 4));
+  return std::bit_cast<F16>(
+      _mm512_mask_i32gather_ps(_mm512_setzero_ps(), 0xffff, std::bit_cast<__m512i>(index), base, 4));
 #else
   F16 result;
   for (int i = 0; i < kLanes; ++i) result[i] = base[index[i]];
@@ -106,7 +108,9 @@ using U16 = std::uint32_t __attribute__((vector_size(64)));
 /// 2^v, relative error below 2e-7; v below -126 yields 0.
 [[nodiscard]] F16 exp2(F16 v);
 /// v^p for v >= 0 (0^p = 0).
-[[nodiscard]] inline F16 pow(F16 v, float p) { return select(v > 1e-37f, exp2(log2(max(v, 1e-37f)) * p), F16{}); }
+[[nodiscard]] inline F16 pow(F16 v, float p) {
+  return select(v > 1e-37f, exp2(log2(max(v, 1e-37f)) * p), F16{});
+}
 
 struct SinCos16 {
   F16 sin, cos;
@@ -139,6 +143,8 @@ template <typename Vector3>
 [[nodiscard]] inline V3x16 select(I16 mask, const V3x16& yes, const V3x16& no) {
   return {select(mask, yes.x, no.x), select(mask, yes.y, no.y), select(mask, yes.z, no.z)};
 }
-[[nodiscard]] inline F16 luminance(const V3x16& c) { return 0.212671f * c.x + 0.715160f * c.y + 0.072169f * c.z; }
+[[nodiscard]] inline F16 luminance(const V3x16& c) {
+  return 0.212671f * c.x + 0.715160f * c.y + 0.072169f * c.z;
+}
 
 }  // namespace vrc

@@ -11,10 +11,10 @@ namespace vrc {
 
 /// A Wavefront OBJ file: its polygons and the names that they use.
 struct ObjFile {
-  PolygonSoup soup;                         ///< face_material indexes `material_names`.
-  std::vector<std::string> material_names;  ///< By first use; "" for faces before any usemtl.
+  PolygonSoup soup;                                       ///< face_material indexes `material_names`.
+  std::vector<std::string> material_names;                ///< By first use; "" for faces before any usemtl.
   std::vector<std::filesystem::path> material_libraries;  ///< As written, resolved against the file's folder.
-  std::vector<std::string> warnings;        ///< What was left out (points, lines, free-form surfaces).
+  std::vector<std::string> warnings;  ///< What was left out (points, lines, free-form surfaces).
 };
 
 /// Throws InputError with file and line on any malformed statement, non-finite number or index out

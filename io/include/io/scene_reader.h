@@ -18,11 +18,12 @@ struct SceneReadOptions {
   std::optional<Vec3> camera_origin;
   std::optional<Vec3> camera_target;
   std::optional<double> fov_degrees;
-  std::optional<int> width, height;            ///< Film size, also over that of a scene file.
+  std::optional<int> width, height;  ///< Film size, also over that of a scene file.
 };
 
 /// Reads a Mitsuba 3 scene (.xml), or a bare mesh (.obj, .ply), chosen by the file's extension.
 /// Throws InputError naming file, line and element.
-[[nodiscard]] SceneDescription read_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
+[[nodiscard]] SceneDescription read_scene(const std::filesystem::path& path,
+                                          const SceneReadOptions& options = {});
 
 }  // namespace vrc

@@ -31,18 +31,18 @@ struct GatherOptions {
 
 /// Outgoing radiance towards the camera and its derivatives on the surface [Zhao eq. 8-12].
 struct RadianceEstimate {
-  std::array<Jet2, 3> radiance;      ///< Per channel, in the site's frame.
-  Jet2 luminance;                    ///< Of `radiance`.
-  Jet2 variance;                     ///< Of each entry of `luminance`, from sixteen batches.
-  double nearest_hit = 0.0;          ///< Shortest gather ray; infinity when all escaped.
+  std::array<Jet2, 3> radiance;           ///< Per channel, in the site's frame.
+  Jet2 luminance;                         ///< Of `radiance`.
+  Jet2 variance;                          ///< Of each entry of `luminance`, from sixteen batches.
+  double nearest_hit = 0.0;               ///< Shortest gather ray; infinity when all escaped.
   Vec3 nearest_direction = Vec3::Zero();  ///< Of that ray.
   Vec3 nearest_normal = Vec3::Zero();     ///< Geometric normal where it hit.
-  double mean_inverse_hit = 0.0;     ///< Mean of 1 / distance over the rays. [1/length]
+  double mean_inverse_hit = 0.0;          ///< Mean of 1 / distance over the rays. [1/length]
 };
 
 /// Gathers with Owen-scrambled Sobol rays from a mixture of cosine and lobe sampling, and sums the
 /// closed-form derivatives of every ray's contribution while its hit stays fixed.
-[[nodiscard]] RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site, const GatherOptions& options,
-                                               RayCounts& counts);
+[[nodiscard]] RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site,
+                                               const GatherOptions& options, RayCounts& counts);
 
 }  // namespace vrc

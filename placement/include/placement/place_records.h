@@ -19,10 +19,10 @@ struct PlacementResult {
   std::vector<RadianceRecord> records;
   RayCounts counts;
   std::vector<PhaseTime> phases;
-  double epsilon = 0.0;        ///< The threshold that was used (RegionRule::epsilon).
+  double epsilon = 0.0;  ///< The threshold that was used (RegionRule::epsilon).
   double mean_luminance = 0.0;
-  int log2_rays = 0;           ///< Rays of each record.
-  bool unfinished = false;     ///< Stopped by the user: not every point is covered.
+  int log2_rays = 0;        ///< Rays of each record.
+  bool unfinished = false;  ///< Stopped by the user: not every point is covered.
 };
 
 /// Regions are blended up to this multiple of their radii; records are placed by the radii themselves.
@@ -33,7 +33,8 @@ inline constexpr double kWideSupport = 3.0;
 /// Image-space placement in rounds: pixels in coarse-to-fine order that no region covers yet become
 /// records, gathered in parallel against the frozen cache and admitted in order, until every pixel
 /// and then every sample is covered. Deterministic at any thread count.
-[[nodiscard]] PlacementResult place_records(const Scene& scene, const PlacementView& view, const CacheOptions& options,
-                                            int bounces, std::uint64_t seed, const RunControl& control);
+[[nodiscard]] PlacementResult place_records(const Scene& scene, const PlacementView& view,
+                                            const CacheOptions& options, int bounces, std::uint64_t seed,
+                                            const RunControl& control);
 
 }  // namespace vrc

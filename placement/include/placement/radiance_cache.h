@@ -16,16 +16,16 @@ struct PackedRecord {
   Vec3f scaled1, scaled2, scaled_normal;  ///< Axes divided by their radii.
   float radius1, radius2;
   float cos_max_deviation;
-  float inverse_deviation;                ///< 1 / (1 - cos_max_deviation)
-  float reach;                            ///< Largest radius.
-  std::int32_t region;                    ///< Smooth region of the surface.
+  float inverse_deviation;  ///< 1 / (1 - cos_max_deviation)
+  float reach;              ///< Largest radius.
+  std::int32_t region;      ///< Smooth region of the surface.
   float value[3], g1[3], g2[3], h11[3], h12[3], h22[3];
 };
 
 /// Position of sixteen points relative to a record: offsets in units of the radii, and its weight.
 struct Coverage16 {
-  F16 a, b;       ///< Along the two axes.
-  F16 weight;     ///< As `weight(ValidRegion)`, 0 where the record does not apply.
+  F16 a, b;    ///< Along the two axes.
+  F16 weight;  ///< As `weight(ValidRegion)`, 0 where the record does not apply.
 };
 
 /// [Zhao eq. 14-15] with the joint distance, for the points of smooth region `region`, the ellipsoid
@@ -51,8 +51,8 @@ class RadianceCache {
  private:
   struct Node {
     Eigen::AlignedBox3f box;
-    std::uint32_t begin, count;   ///< Leaf: a range of order_; count 0 for inner nodes.
-    std::uint32_t right;          ///< Inner: the left child follows its parent.
+    std::uint32_t begin, count;  ///< Leaf: a range of order_; count 0 for inner nodes.
+    std::uint32_t right;         ///< Inner: the left child follows its parent.
   };
   std::uint32_t build(std::uint32_t begin, std::uint32_t end, const std::vector<Eigen::AlignedBox3f>& boxes);
 

@@ -12,10 +12,10 @@ namespace vrc {
 /// A cached estimate of outgoing radiance: where it is, what it knows, how far it may be used.
 struct RadianceRecord {
   RecordSite site;
-  RadianceEstimate estimate;          ///< As gathered; never changed afterwards.
-  std::array<Jet2, 3> radiance;       ///< What is interpolated: limited and fitted. In the site's frame.
+  RadianceEstimate estimate;     ///< As gathered; never changed afterwards.
+  std::array<Jet2, 3> radiance;  ///< What is interpolated: limited and fitted. In the site's frame.
   ValidRegion region;
-  double clamp_factor = 1.0;          ///< < 1: how much the crease limit reduced the derivatives.
+  double clamp_factor = 1.0;  ///< < 1: how much the crease limit reduced the derivatives.
 };
 
 }  // namespace vrc

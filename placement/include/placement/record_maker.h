@@ -11,10 +11,10 @@ namespace vrc {
 /// Turns gathered radiance into records: valid regions [Zhao eq. 4] and limits on the derivatives.
 struct RegionRule {
   const CacheOptions* options = nullptr;
-  double epsilon = 1e-4;          ///< Threshold of eq. 4 in units of (picture width)^2: free of scale.
-  double mean_luminance = 1.0;    ///< Of the picture's indirect light; bounds relative errors in the dark.
-  int picture_width = 512;        ///< Pixels.
-  double uniform_radius = 0.0;    ///< PlacementMetric::kUniform: radius in picture widths.
+  double epsilon = 1e-4;        ///< Threshold of eq. 4 in units of (picture width)^2: free of scale.
+  double mean_luminance = 1.0;  ///< Of the picture's indirect light; bounds relative errors in the dark.
+  int picture_width = 512;      ///< Pixels.
+  double uniform_radius = 0.0;  ///< PlacementMetric::kUniform: radius in picture widths.
 };
 
 /// sqrt(L^2 + (0.2 mean)^2): the L of the relative error, kept away from 0 in the dark.
@@ -32,15 +32,16 @@ void set_radiance(RadianceRecord& record, const std::array<Jet2, 3>& jets, doubl
 
 /// How noisy a record may be before it is gathered again with more rays.
 struct NoiseGoal {
-  double relative = 0.0;        ///< Standard deviation over `perceived` luminance; 0: never again.
+  double relative = 0.0;  ///< Standard deviation over `perceived` luminance; 0: never again.
   double mean_luminance = 1.0;
 };
 
 /// Gathers at the site. A site closer than half a pixel to the nearest hit (in a crease) is moved
 /// half a pixel away from it first, along its surface, and gathered again; so is a record that
 /// misses the noise goal, with the rays that its variance asks for.
-[[nodiscard]] RadianceRecord make_record(const Scene& scene, const RecordSite& site, const GatherOptions& gather,
-                                         const NoiseGoal& goal, RayCounts& counts);
+[[nodiscard]] RadianceRecord make_record(const Scene& scene, const RecordSite& site,
+                                         const GatherOptions& gather, const NoiseGoal& goal,
+                                         RayCounts& counts);
 
 inline constexpr double kVarianceConvergence = 1.1;  ///< Variance falls as rays^-1.1 with Sobol points.
 inline constexpr int kFewestLog2Rays = 10;

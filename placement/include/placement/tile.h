@@ -22,7 +22,7 @@ inline constexpr int kPacketsAtOnce = 4;
 /// p * packets_per_pixel + k.
 struct Tile {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
-  int packets_per_pixel = 1;           ///< In this tile: the length of its range.
+  int packets_per_pixel = 1;  ///< In this tile: the length of its range.
   std::vector<CameraPacket> packets;
   std::vector<SurfacePoint16> points;  ///< Parallel to `packets`.
 };
@@ -33,14 +33,16 @@ struct TileLayout {
 
   [[nodiscard]] int columns() const { return (x1 - x0 + kTileSize - 1) / kTileSize; }
   [[nodiscard]] int rows() const { return (y1 - y0 + kTileSize - 1) / kTileSize; }
-  [[nodiscard]] std::size_t count() const { return static_cast<std::size_t>(columns()) * static_cast<std::size_t>(rows()); }
+  [[nodiscard]] std::size_t count() const {
+    return static_cast<std::size_t>(columns()) * static_cast<std::size_t>(rows());
+  }
 };
 
 /// Pixels of tile `index`, without samples.
 [[nodiscard]] Tile empty_tile(const TileLayout& layout, std::size_t index);
 /// Traces the camera rays of tile `index`.
-[[nodiscard]] Tile trace_tile(const Scene& scene, const FilmSampler& film, const TileLayout& layout, std::size_t index,
-                              const PacketRange& range, RayCounts& counts);
+[[nodiscard]] Tile trace_tile(const Scene& scene, const FilmSampler& film, const TileLayout& layout,
+                              std::size_t index, const PacketRange& range, RayCounts& counts);
 /// Calls body(range) for runs of at most kPacketsAtOnce packets that make up all of a pixel's.
 template <typename Body>
 void for_each_range(const FilmSampler& film, const Body& body) {
@@ -61,7 +63,8 @@ class TileRecords {
     for (const std::uint32_t index : candidates_) {
       const PackedRecord& record = cache_.packed()[index];
       if (!may_reach(record, p, support)) continue;
-      const Coverage16 c = coverage(record, p.position, p.normal, select(p.scatters, p.region, splat(-1)), support);
+      const Coverage16 c =
+          coverage(record, p.position, p.normal, select(p.scatters, p.region, splat(-1)), support);
       if (any(c.weight > 0.0f)) body(record, c);
     }
   }

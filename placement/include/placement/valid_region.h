@@ -13,7 +13,7 @@ namespace vrc {
 struct ValidRegion {
   Vec3 center;
   Vec3 normal;
-  Vec3 axis1, axis2;        ///< Unit, tangent: eigenvectors of the luminance Hessian.
+  Vec3 axis1, axis2;  ///< Unit, tangent: eigenvectors of the luminance Hessian.
   double radius1 = 0.0, radius2 = 0.0;
   double normal_radius = 0.0;
   double cos_max_deviation = 0.0;  ///< Cosine of theta_max.
@@ -30,14 +30,17 @@ struct ValidRegion {
 
 /// Distance k in position and orientation together: k^2 = k_t^2 + (angle of the normals / theta_max)^2.
 /// On a plane it is k_t. 2 (1 - cos) stands for the squared angle.
-[[nodiscard]] inline double joint_distance(const ValidRegion& region, const Vec3& x, const Vec3& n, double support = 1.0) {
+[[nodiscard]] inline double joint_distance(const ValidRegion& region, const Vec3& x, const Vec3& n,
+                                           double support = 1.0) {
   const double kt = translation_distance(region, x) / support;
-  return std::sqrt(kt * kt + std::max(0.0, 1.0 - region.normal.dot(n)) / std::max(1.0 - region.cos_max_deviation, 1e-12));
+  return std::sqrt(kt * kt + std::max(0.0, 1.0 - region.normal.dot(n)) /
+                                 std::max(1.0 - region.cos_max_deviation, 1e-12));
 }
 
 /// The weight of a record at x with normal n: [Zhao eq. 14] with the joint distance k in the place of
 /// k_t, the ellipsoid widened `support` times; 0 where the normals differ by more than theta_max.
-[[nodiscard]] inline double weight(const ValidRegion& region, const Vec3& x, const Vec3& n, double support = 1.0) {
+[[nodiscard]] inline double weight(const ValidRegion& region, const Vec3& x, const Vec3& n,
+                                   double support = 1.0) {
   const double kr = region.normal.dot(n);
   if (kr < region.cos_max_deviation) return 0.0;
   return std::max(0.0, 1.0 - joint_distance(region, x, n, support) * kr) * std::pow(std::max(0.0, kr), 16.0);
@@ -52,11 +55,12 @@ struct RegionAxes {
 /// [Zhao eq. 4] with `reference` in the place of L: R_j = (4 epsilon reference / (pi |u_j|))^(1/4), at
 /// most `maximum`. `epsilon` has units of length^2. The u_j are the eigenvalues of
 /// |H| + gradient_share g g^T / reference; share 0 is the paper's.
-[[nodiscard]] RegionAxes hessian_radii(const Jet2& jet, double reference, double epsilon, double gradient_share,
-                                       double maximum);
+[[nodiscard]] RegionAxes hessian_radii(const Jet2& jet, double reference, double epsilon,
+                                       double gradient_share, double maximum);
 
 /// The largest ellipse, about, inside both a given one and that with half axes `across` along the
 /// unit vector `direction` and `along` perpendicular to it (the sum of their inverse squares).
-[[nodiscard]] RegionAxes intersection(const RegionAxes& axes, const Vec2& direction, double across, double along);
+[[nodiscard]] RegionAxes intersection(const RegionAxes& axes, const Vec2& direction, double across,
+                                      double along);
 
 }  // namespace vrc

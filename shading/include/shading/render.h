@@ -25,12 +25,12 @@ struct CropWindow {
 struct RenderOptions {
   Method method = Method::kCache;
   Component only = Component::kFull;
-  int bounces = 1;             ///< Indirect bounces: 0 is direct light only; -1 is unbounded.
+  int bounces = 1;  ///< Indirect bounces: 0 is direct light only; -1 is unbounded.
   int samples_per_pixel = 16;
-  int light_samples = 0;       ///< Of the direct light, per camera sample; 0 chooses by method.
+  int light_samples = 0;  ///< Of the direct light, per camera sample; 0 chooses by method.
   std::uint64_t seed = 0;
   std::optional<CropWindow> crop;  ///< Pixels outside stay black.
-  bool aovs = false;           ///< Adds the layers albedo, N and depth.
+  bool aovs = false;               ///< Adds the layers albedo, N and depth.
   CacheOptions cache;
 };
 
@@ -40,8 +40,8 @@ struct RenderStats {
   std::uint64_t gather_rays = 0;  ///< Rays from records to find their surroundings.
   std::uint64_t shadow_rays = 0;
   std::uint64_t camera_rays = 0;
-  std::uint64_t other_rays = 0;   ///< Bounces of paths.
-  bool unfinished = false;        ///< Interrupted: the picture holds what there was.
+  std::uint64_t other_rays = 0;  ///< Bounces of paths.
+  bool unfinished = false;       ///< Interrupted: the picture holds what there was.
 };
 
 /// The picture with channels R, G, B (the chosen component), then direct.{R,G,B} and
@@ -53,6 +53,7 @@ struct RenderResult {
 };
 
 /// Same bytes for the same scene, options and seed, at any thread count.
-[[nodiscard]] RenderResult render(const Scene& scene, const RenderOptions& options, const RunControl& control = {});
+[[nodiscard]] RenderResult render(const Scene& scene, const RenderOptions& options,
+                                  const RunControl& control = {});
 
 }  // namespace vrc

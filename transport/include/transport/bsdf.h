@@ -37,7 +37,8 @@ struct BsdfValue16 {
 };
 
 /// The sum over lobes, each lane with the material of its own.
-[[nodiscard]] BsdfValue16 evaluate_bsdf(const std::vector<Bsdf>& bsdfs, I16 active, I16 material, const Directions16& d);
+[[nodiscard]] BsdfValue16 evaluate_bsdf(const std::vector<Bsdf>& bsdfs, I16 active, I16 material,
+                                        const Directions16& d);
 
 /// A direction by one lobe chosen with its probability; `u1` both chooses the lobe and, stretched,
 /// samples it.

@@ -8,12 +8,12 @@ namespace vrc {
 /// Pinhole camera. Film coordinates: x to the right, y downwards, in pixels, [0, width) x [0, height).
 struct Camera {
   Vec3 origin = Vec3::Zero();
-  Vec3 right = Vec3::UnitX();     ///< Unit vectors in world space; right x up = -forward, or +forward
-                                  ///< for a mirrored image.
+  Vec3 right = Vec3::UnitX();  ///< Unit vectors in world space; right x up = -forward, or +forward
+                               ///< for a mirrored image.
   Vec3 up = Vec3::UnitY();
   Vec3 forward = -Vec3::UnitZ();
-  double tan_half_width = 0.5;    ///< Tangent of half the horizontal field of view; the vertical
-                                  ///< one follows from square pixels.
+  double tan_half_width = 0.5;  ///< Tangent of half the horizontal field of view; the vertical
+                                ///< one follows from square pixels.
   int width = 512;
   int height = 512;
 

@@ -23,8 +23,8 @@ struct LightSample16 {
   I16 valid;
   V3x16 direction;  ///< Unit, towards the light.
   F16 distance;
-  V3x16 radiance;   ///< Radiance (or its equivalent) divided by the density of the sample.
-  F16 pdf;          ///< Per solid angle; 0 for lights that no BSDF sample can hit.
+  V3x16 radiance;  ///< Radiance (or its equivalent) divided by the density of the sample.
+  F16 pdf;         ///< Per solid angle; 0 for lights that no BSDF sample can hit.
 };
 
 /// Chooses lights by power and points on them by area.
@@ -32,8 +32,8 @@ class Lights {
  public:
   Lights() = default;
   /// `scene_radius`: of the bounding sphere.
-  Lights(std::vector<EmissiveTriangle> triangles, std::vector<DeltaLight> delta_lights, const Rgb& environment,
-         double scene_radius);
+  Lights(std::vector<EmissiveTriangle> triangles, std::vector<DeltaLight> delta_lights,
+         const Rgb& environment, double scene_radius);
 
   [[nodiscard]] bool empty() const { return entries_.empty(); }
   [[nodiscard]] const Rgb& environment() const { return environment_; }
@@ -63,8 +63,8 @@ class Lights {
     F16 u;  ///< What is left of u1, stretched to [0, 1).
   };
   [[nodiscard]] Chosen choose(F16 u1) const;
-  void sample_triangle(const EmissiveTriangle& light, I16 mask, const V3x16& position, F16 u1, F16 u2, float probability,
-                       LightSample16& out) const;
+  void sample_triangle(const EmissiveTriangle& light, I16 mask, const V3x16& position, F16 u1, F16 u2,
+                       float probability, LightSample16& out) const;
 
   std::vector<EmissiveTriangle> triangles_;
   std::vector<float> triangle_probability_;

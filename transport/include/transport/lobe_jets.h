@@ -48,16 +48,18 @@ struct RecordFrame {
 /// A fixed reflector y seen from the moving point x: its normal, the fixed direction of its incident
 /// light, and their parts along the record's frame.
 struct FixedReflector16 {
-  V3x16 n;             ///< Shading normal at y, on the side of x, in the record's frame.
-  V3x16 light;         ///< Unit direction to the light at y, in the record's frame.
-  F16 nr;              ///< n . r, negative
-  F16 light_cos;       ///< n . light
-  F16 light_r;         ///< light . r
+  V3x16 n;        ///< Shading normal at y, on the side of x, in the record's frame.
+  V3x16 light;    ///< Unit direction to the light at y, in the record's frame.
+  F16 nr;         ///< n . r, negative
+  F16 light_cos;  ///< n . light
+  F16 light_r;    ///< light . r
 };
 
 /// Jets of the BRDF at y towards x: the glossy-glossy term of [Zhao eq. 12]. Lambert's is 0.
-[[nodiscard]] UnitJet16 reflector_jet(const LambertLobe& lobe, const FixedReflector16& y, const MovingPoint16& p);
-[[nodiscard]] UnitJet16 reflector_jet(const PhongLobe& lobe, const FixedReflector16& y, const MovingPoint16& p);
+[[nodiscard]] UnitJet16 reflector_jet(const LambertLobe& lobe, const FixedReflector16& y,
+                                      const MovingPoint16& p);
+[[nodiscard]] UnitJet16 reflector_jet(const PhongLobe& lobe, const FixedReflector16& y,
+                                      const MovingPoint16& p);
 [[nodiscard]] UnitJet16 reflector_jet(const GgxLobe& lobe, const FixedReflector16& y, const MovingPoint16& p);
 
 }  // namespace vrc

@@ -37,9 +37,9 @@ struct PathSampler16 {
 };
 
 struct PathOptions {
-  int bounces = 1;      ///< Of indirect light; -1 is unbounded (Russian roulette ends the paths).
-  bool indirect = true; ///< false: stop after the direct light of the first point.
-  bool direct = true;   ///< false: trace only what adds indirect light.
+  int bounces = 1;       ///< Of indirect light; -1 is unbounded (Russian roulette ends the paths).
+  bool indirect = true;  ///< false: stop after the direct light of the first point.
+  bool direct = true;    ///< false: trace only what adds indirect light.
 };
 
 struct PathRadiance16 {
@@ -50,13 +50,14 @@ struct PathRadiance16 {
 /// Radiance that arrives along camera rays whose first points are given: next-event estimation and
 /// BSDF sampling combined by the power heuristic [Veach1997], Russian roulette beyond four bounces.
 /// `direction` is that of the camera ray (unit).
-[[nodiscard]] PathRadiance16 trace_paths(const Scene& scene, const SurfacePoint16& first, const V3x16& direction,
-                                         I16 active, const PathSampler16& sampler, const PathOptions& options,
-                                         RayCounts& counts);
+[[nodiscard]] PathRadiance16 trace_paths(const Scene& scene, const SurfacePoint16& first,
+                                         const V3x16& direction, I16 active, const PathSampler16& sampler,
+                                         const PathOptions& options, RayCounts& counts);
 
 /// Radiance reflected at given points towards -direction with up to `bounces` further reflections
 /// after the first: what a gather ray brings back.
-[[nodiscard]] V3x16 reflected_radiance(const Scene& scene, const SurfacePoint16& first, const V3x16& direction,
-                                       I16 active, const PathSampler16& sampler, int bounces, RayCounts& counts);
+[[nodiscard]] V3x16 reflected_radiance(const Scene& scene, const SurfacePoint16& first,
+                                       const V3x16& direction, I16 active, const PathSampler16& sampler,
+                                       int bounces, RayCounts& counts);
 
 }  // namespace vrc

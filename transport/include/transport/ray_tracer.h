@@ -17,9 +17,9 @@ struct Ray16 {
 };
 
 struct Hit16 {
-  I16 hit;        ///< Mask.
-  I16 triangle;   ///< Undefined where there is no hit.
-  F16 t, u, v;    ///< Barycentric: p0 + u (p1 - p0) + v (p2 - p0).
+  I16 hit;       ///< Mask.
+  I16 triangle;  ///< Undefined where there is no hit.
+  F16 t, u, v;   ///< Barycentric: p0 + u (p1 - p0) + v (p2 - p0).
 };
 
 /// Nearest and any hits on a triangle list by Embree, in its robust mode.

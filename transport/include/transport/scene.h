@@ -17,28 +17,28 @@ struct alignas(64) SceneTriangle {
   float p0[3], e1[3], e2[3];  ///< Vertex and the edges to the other two.
   float normal[3];            ///< Unit geometric normal, on the outside.
   std::int32_t material;
-  std::int32_t light;         ///< Index into Lights::triangles(), or -1.
-  std::int32_t region;        ///< Smooth region: what no crease, border or material change divides.
-  std::int32_t smooth;        ///< 1: shading normals differ from the geometric one.
+  std::int32_t light;   ///< Index into Lights::triangles(), or -1.
+  std::int32_t region;  ///< Smooth region: what no crease, border or material change divides.
+  std::int32_t smooth;  ///< 1: shading normals differ from the geometric one.
 };
 
 /// Sixteen points where rays met the scene, oriented towards the rays' origins.
 struct SurfacePoint16 {
   I16 hit;
-  I16 scatters;    ///< Hit, and the side that the ray met reflects light.
+  I16 scatters;  ///< Hit, and the side that the ray met reflects light.
   I16 triangle;
   F16 t, u, v;
   V3x16 position;
   V3x16 geometric_normal;
-  V3x16 normal;    ///< Shading normal; its cosine with the direction to the ray's origin is positive.
+  V3x16 normal;  ///< Shading normal; its cosine with the direction to the ray's origin is positive.
   I16 material, light, region;
 };
 
 /// A surface point in double precision, for records.
 struct SurfacePoint {
   Vec3 position;
-  Vec3 geometric_normal;  ///< Unit, on the side of the viewer.
-  Vec3 normal;            ///< Unit shading normal, on the side of the viewer.
+  Vec3 geometric_normal;               ///< Unit, on the side of the viewer.
+  Vec3 normal;                         ///< Unit shading normal, on the side of the viewer.
   Mat2 shape_operator = Mat2::Zero();  ///< In Frame::around(normal); positive where convex. [1/length]
   std::uint32_t triangle = 0;
   float u = 0.0f, v = 0.0f;
@@ -68,21 +68,25 @@ class Scene {
   [[nodiscard]] float ray_offset() const { return static_cast<float>(1e-5 * radius_); }
 
   [[nodiscard]] SurfacePoint16 intersect(I16 active, const Ray16& ray, RayTracer::Coherence coherence) const;
-  [[nodiscard]] SurfacePoint surface_point(std::uint32_t triangle, float u, float v, const Vec3& viewer) const;
+  [[nodiscard]] SurfacePoint surface_point(std::uint32_t triangle, float u, float v,
+                                           const Vec3& viewer) const;
 
   /// Origin of rays that leave a point: lifted off the surface, towards the viewer's side.
-  [[nodiscard]] V3x16 lifted(const SurfacePoint16& p) const { return p.position + p.geometric_normal * ray_offset(); }
+  [[nodiscard]] V3x16 lifted(const SurfacePoint16& p) const {
+    return p.position + p.geometric_normal * ray_offset();
+  }
   /// From the lifted point to just before the sampled point of a light.
   [[nodiscard]] Ray16 shadow_ray(const SurfacePoint16& p, const LightSample16& light) const;
 
  private:
-  void add_shape(const ShapeDescription& shape, std::vector<EmissiveTriangle>& lights, std::vector<float>& vertices);
+  void add_shape(const ShapeDescription& shape, std::vector<EmissiveTriangle>& lights,
+                 std::vector<float>& vertices);
 
   Camera camera_;
   FilmDescription film_;
   std::vector<Bsdf> bsdfs_;
   std::vector<SceneTriangle> triangles_;
-  std::vector<float> corner_normals_;  ///< Nine floats a triangle.
+  std::vector<float> corner_normals_;               ///< Nine floats a triangle.
   std::vector<std::unique_ptr<Surface>> surfaces_;  ///< By their first triangle.
   std::int32_t region_count_ = 0;
   Lights lights_;

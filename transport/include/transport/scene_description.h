@@ -16,11 +16,11 @@ namespace vrc {
 /// One shape in world space, as readers produce it and `Scene` consumes it.
 struct ShapeDescription {
   std::string id;
-  PolygonSoup soup;                     ///< Already transformed to world space.
-  std::vector<std::uint32_t> materials; ///< soup.face_material -> SceneDescription::materials.
-  std::vector<Rgb> emission;            ///< Parallel to `materials`: radiance emitted on the side of
-                                        ///< the normal; zero for none.
-  bool face_normals = false;            ///< true: ignore supplied normals, shade flat.
+  PolygonSoup soup;                      ///< Already transformed to world space.
+  std::vector<std::uint32_t> materials;  ///< soup.face_material -> SceneDescription::materials.
+  std::vector<Rgb> emission;             ///< Parallel to `materials`: radiance emitted on the side of
+                                         ///< the normal; zero for none.
+  bool face_normals = false;             ///< true: ignore supplied normals, shade flat.
 };
 
 struct PointLight {
