@@ -23,7 +23,8 @@ constexpr double kNoiseLimit = 2.5;  // of the accepted error: beyond this a rec
 constexpr std::size_t kSmallestRound = 32;
 constexpr std::size_t kRoundShare = 8;  // a round makes at most 1/8 of the records so far
 constexpr int kSampleRounds = 6;        // passes over the samples that pixel centres miss
-constexpr int kCountRounds = 24;        // steps of the search for a wanted number of records
+constexpr int kCountRounds = 80;        // steps of the search for a wanted number of records
+constexpr int kWidenSteps = 6;
 constexpr double kCoarsestError = 2.0;  // where that search begins
 
 class ImagePlacement {
@@ -134,8 +135,8 @@ class ImagePlacement {
     return options_.records > 0 ? CacheOptions{}.error : options_.error;
   }
 
-  /// Covers every pixel centre at a threshold, keeping the records there are; stops at `limit` records.
-  void sweep(double epsilon, std::size_t limit = std::numeric_limits<std::size_t>::max()) {
+  /// Gives all records their regions at a threshold and marks the pixels that they cover.
+  void spread(double epsilon) {
     rule_.epsilon = epsilon;
     rule_.uniform_radius = std::pow(epsilon, 0.25) * 0.1;
     grid_.clear_coverage();
@@ -143,6 +144,18 @@ class ImagePlacement {
       shape(record);
       grid_.cover(record.region, record.site.point.region);
     }
+  }
+
+  [[nodiscard]] bool all_covered() const {
+    for (std::size_t pixel = 0; pixel < grid_.size(); ++pixel) {
+      if (grid_.is_open(pixel)) return false;
+    }
+    return true;
+  }
+
+  /// Covers every pixel centre at a threshold, keeping the records there are; stops at `limit` records.
+  void sweep(double epsilon, std::size_t limit = std::numeric_limits<std::size_t>::max()) {
+    spread(epsilon);
     for (std::size_t next = 0;
          next < grid_.size() && result_.records.size() < limit && !result_.unfinished;) {
       const std::size_t round = std::min(std::max(kSmallestRound, result_.records.size() / kRoundShare),
@@ -162,22 +175,39 @@ class ImagePlacement {
     }
   }
 
-  /// Lowers the threshold step by step, keeping all records, until the wanted number is reached. The
-  /// last sweep may stop early: its regions are little smaller than those of the sweep before, so
-  /// blending still reaches every point. Slivers get their records on the way, not on top at the end.
+  /// Lowers the threshold step by step, keeping all records, until the wanted number is reached; then
+  /// finds the smallest threshold at which these records cover everything. Slivers get their records
+  /// on the way, not on top at the end.
   void reach_count() {
     const auto wanted = static_cast<std::size_t>(options_.records);
     double epsilon = threshold(kCoarsestError);
+    double covering = 1e4 * epsilon;
     sweep(epsilon, wanted);
+    std::size_t checked = 0;  // records when the samples were last looked at
     for (int step = 0; step < kCountRounds && !result_.unfinished; ++step) {
-      if (3 * result_.records.size() >= wanted) cover_samples();
+      if (3 * result_.records.size() >= wanted && result_.records.size() > checked) {
+        cover_samples();
+        checked = result_.records.size();
+      }
       const double ratio =
           static_cast<double>(wanted) / static_cast<double>(std::max<std::size_t>(result_.records.size(), 1));
-      if (ratio < 1.03) return;
+      if (ratio < 1.03) break;
       // The count grows about as epsilon^-0.46; approach from below, since records are kept.
+      covering = epsilon;
       epsilon *= std::pow(std::clamp(0.85 * ratio, 1.08, 5.0), -1.0 / 0.46);
       sweep(epsilon, wanted);
     }
+    if (!result_.unfinished && !all_covered()) widen(epsilon, covering);
+  }
+
+  /// Bisects for the smallest threshold between two at which the records cover all pixel centres.
+  void widen(double low, double high) {
+    for (int step = 0; step < kWidenSteps; ++step) {
+      const double middle = std::sqrt(low * high);
+      spread(middle);
+      (all_covered() ? high : low) = middle;
+    }
+    spread(high);
   }
 
   struct OpenSample {

@@ -53,7 +53,8 @@ TEST(Cache, InterpolatesBetterWithEachTaylorOrder) {
   const test::IndirectReference reference(scene, 512);
   std::array<double, 3> error{};
   for (int order = 0; order <= 2; ++order) {
-    RenderOptions options = indirect_by_cache(kFewRecords);
+    // Fewer, and regions outgrow the highlight: no polynomial fits it there.
+    RenderOptions options = indirect_by_cache(3 * kFewRecords);
     options.cache.taylor_order = order;
     error[static_cast<std::size_t>(order)] = reference.relmse(render(scene, options).image);
   }
