@@ -146,7 +146,7 @@ void fill_sobol_grid(SobolGrid& grid, int log2_count, std::uint64_t seed) {
     seeds[d] = static_cast<std::uint32_t>(hash(seed, 0x50b01u, d));
     tables[d] = reversed_table(d, log2_count).data();
   }
-  const std::uint32_t block_seed = static_cast<std::uint32_t>(hash(seed, 0xb10cu));
+  const auto block_seed = static_cast<std::uint32_t>(hash(seed, 0xb10cu));
 
   for (std::size_t begin = 0; begin < count; begin += kLanes) {
     U16 fraction[kSobolDimensions];
