@@ -81,6 +81,7 @@ class Renderer {
     result.stats.camera_rays = counts_.camera;
     result.stats.other_rays = counts_.other;
     result.stats.unfinished |= control_.stopped();
+    result.cache = std::move(cache_);
     return result;
   }
 
@@ -94,7 +95,6 @@ class Renderer {
     result.stats.records = placed.records.size();
     result.stats.unfinished = placed.unfinished;
     cache_.emplace(std::move(placed.records), kWideSupport);
-    result.cache = cache_;
   }
 
   void render_tile(std::size_t index, Image& image, RayCounts& counts) const {
