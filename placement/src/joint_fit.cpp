@@ -74,7 +74,12 @@ std::array<Jet2, 3> fit(const SceneCharts& charts, const ChartPoints& centers,
     normal += weight * basis * basis.transpose();
     for (std::size_t c = 0; c < 3; ++c) right[c] += weight * other.estimate.radiance[c].value * basis;
   };
-  for (const PatchBox& box : reach.boxes) centers.for_each_near(box, add_neighbour);
+  std::vector<std::uint32_t> near;
+  for (const PatchBox& box : reach.boxes) {
+    centers.for_each_near(box, [&near](std::uint32_t i) { near.push_back(i); });
+  }
+  std::ranges::sort(near);  // so that rounding does not depend on how the centres are stored
+  std::ranges::for_each(near, add_neighbour);
   const Eigen::LDLT<Mat6> solver(normal);
   std::array<Jet2, 3> result;
   for (std::size_t c = 0; c < 3; ++c) {

@@ -53,7 +53,7 @@ class Placement {
     if (options_.records > 0) {
       reach_count();
     } else {
-      sweep(threshold(options_.error));
+      sweep(threshold(options_.error), *chooser_);
       if (!result_.unfinished) cover_samples();
     }
     result_.phases.push_back(timer.elapsed());
@@ -173,17 +173,18 @@ class Placement {
   }
 
   /// Covers every visible point at a threshold, keeping the records there are; stops at `limit` records.
-  void sweep(double epsilon, std::size_t limit = std::numeric_limits<std::size_t>::max()) {
+  void sweep(double epsilon, PointChooser& chooser,
+             std::size_t limit = std::numeric_limits<std::size_t>::max()) {
     spread(epsilon);
-    chooser_->start();
+    chooser.start();
     while (result_.records.size() < limit && !result_.unfinished) {
       const std::vector<std::uint32_t> chosen =
-          chooser_->choose(result_.records, limit - result_.records.size());
+          chooser.choose(result_.records, limit - result_.records.size());
       if (chosen.empty()) break;
       const std::size_t first = result_.records.size();
       make_at(chosen);
       shape_and_cover(first);
-      control_.report({"place records", chooser_->progress(), result_.records.size(),
+      control_.report({"place records", chooser.progress(), result_.records.size(),
                        result_.counts.gather + result_.counts.shadow});
     }
   }
@@ -195,7 +196,9 @@ class Placement {
     const auto wanted = static_cast<std::size_t>(options_.records);
     double epsilon = threshold(kCoarsestError);
     double covering = 1e4 * epsilon;
-    sweep(epsilon, wanted);
+    // Should the limit end this sweep, its holes must lie everywhere, not beyond a front.
+    OrderedChooser ordered(points_);
+    sweep(epsilon, ordered, wanted);
     std::size_t checked = 0;  // records when the samples were last looked at
     for (int step = 0; step < kCountRounds && !result_.unfinished; ++step) {
       if (3 * result_.records.size() >= wanted && result_.records.size() > checked) {
@@ -208,12 +211,12 @@ class Placement {
       // The count grows about as epsilon^-0.46; approach from below, since records are kept.
       covering = epsilon;
       epsilon *= std::pow(std::clamp(0.85 * ratio, 1.08, 5.0), -1.0 / 0.46);
-      sweep(epsilon, wanted);
+      sweep(epsilon, *chooser_, wanted);
     }
     if (!result_.unfinished && !all_covered()) widen(epsilon, covering);
   }
 
-  /// Bisects for the smallest threshold between two at which the records cover all pixel centres.
+  /// Bisects for the smallest threshold between two at which the records cover all points.
   void widen(double low, double high) {
     for (int step = 0; step < kWidenSteps; ++step) {
       const double middle = std::sqrt(low * high);

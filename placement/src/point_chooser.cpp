@@ -96,6 +96,8 @@ std::vector<std::uint32_t> FrontChooser::admit(std::span<const RadianceRecord> r
     }
     if (open) active_.push_back(parents[i]);
   }
+  // What a limit leaves open should be spread over the picture, as the points are in their order.
+  if (proposals.size() > limit) std::ranges::sort(proposals, {}, &Proposal::point);
   std::vector<Proposal> admitted;
   for (const Proposal& p : proposals) {
     if (admitted.size() >= limit) break;

@@ -8,7 +8,6 @@
 #include "placement/surface_reach.h"
 
 namespace vrc {
-namespace {
 
 PackedRecord pack(const RadianceRecord& record) {
   const ValidRegion& r = record.region;
@@ -39,8 +38,6 @@ PackedRecord pack(const RadianceRecord& record) {
   }
   return p;
 }
-
-}  // namespace
 
 Coverage16 coverage(const PackedRecord& record, const V3x16& x, const V3x16& n, I16 applies, float support) {
   const V3x16 d = x - splat3(record.center);

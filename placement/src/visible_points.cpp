@@ -145,7 +145,7 @@ VisiblePoints pixel_centres(const SceneCharts& charts, const PlacementView& view
 
 VisiblePoints film_points(const SceneCharts& charts, const PlacementView& view, std::uint64_t& camera_rays) {
   const auto width = static_cast<double>(view.x1 - view.x0), height = static_cast<double>(view.y1 - view.y0);
-  const auto count = static_cast<std::size_t>(std::ceil(0.5 * width * height));
+  const auto count = static_cast<std::size_t>(std::ceil(width * height));
   std::vector<FilmPosition> positions;
   positions.reserve(count);
   for (std::uint32_t i = 0; i < count; ++i) {

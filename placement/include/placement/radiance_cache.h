@@ -23,6 +23,8 @@ struct PackedRecord {
   float value[3], g1[3], g2[3], h11[3], h12[3], h22[3];
 };
 
+[[nodiscard]] PackedRecord pack(const RadianceRecord& record);
+
 /// Position of sixteen points relative to a record: offsets in units of the radii, and its weight.
 struct Coverage16 {
   F16 a, b;    ///< Along the two axes.

@@ -67,8 +67,7 @@ class VisiblePoints {
 [[nodiscard]] VisiblePoints pixel_centres(const SceneCharts& charts, const PlacementView& view,
                                           std::uint64_t& camera_rays);
 
-/// The points behind a Sobol sequence over the film, which knows no pixels: as many as every second
-/// pixel.
+/// The points behind a Sobol sequence over the film, which knows no pixels but has as many points.
 [[nodiscard]] VisiblePoints film_points(const SceneCharts& charts, const PlacementView& view,
                                         std::uint64_t& camera_rays);
 
