@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t kSmallestRound = 32;
 constexpr std::size_t kRoundShare = 8;  // a round makes at most 1/8 of the records so far
 
-constexpr double kSpacing = 1.5;    // distance of neighbours, in units of the radii
-constexpr double kSearch = 2.1;     // how far gaps are filled from
+constexpr double kSpacing = 1.65;   // distance of neighbours, in units of the radii
+constexpr double kSearch = 2.2;     // how far gaps are filled from
 constexpr float kCloseFit = 0.15f;  // squared misfit of a neighbour while the front advances
 constexpr float kAnyFit = 100.0f;
 

@@ -13,6 +13,7 @@ namespace vrc {
 namespace {
 
 constexpr int kPilotStride = 32;  // pixels between the first records
+constexpr double kFilmPointsPerPixel = 0.25;
 
 /// Morton code with its bits reversed: sorts a square of 2^levels pixels coarse to fine.
 std::uint64_t coarse_to_fine_key(std::uint32_t x, std::uint32_t y, int levels) {
@@ -145,7 +146,7 @@ VisiblePoints pixel_centres(const SceneCharts& charts, const PlacementView& view
 
 VisiblePoints film_points(const SceneCharts& charts, const PlacementView& view, std::uint64_t& camera_rays) {
   const auto width = static_cast<double>(view.x1 - view.x0), height = static_cast<double>(view.y1 - view.y0);
-  const auto count = static_cast<std::size_t>(std::ceil(width * height));
+  const auto count = static_cast<std::size_t>(std::ceil(kFilmPointsPerPixel * width * height));
   std::vector<FilmPosition> positions;
   positions.reserve(count);
   for (std::uint32_t i = 0; i < count; ++i) {

@@ -236,6 +236,33 @@ TEST(SurfaceWalk, MeasuresDeviationInsideTheEllipseOnly) {
   }
 }
 
+TEST(SurfaceWalk, DoesNotEnterFacesThatTurnAway) {
+  const SurfaceMesh mesh = build_surface_mesh(make_sphere(Vec3::Zero(), 1.0, 32));
+  const SurfaceEllipse ellipse =
+      make_ellipse(mesh, 700, Vec3(0.3, 0.3, 0.4), Vec3(0.3, 0.5, 0.1), Vec2(1.0, 0.8));
+  SurfaceWalkOptions options;
+  options.max_deviation = 0.3;
+  const SurfaceWalk all = walk_surface(mesh, ellipse), some = walk_surface(mesh, ellipse, options);
+  EXPECT_LT(some.faces.size(), all.faces.size() / 2);
+  std::set<std::uint32_t> entered;
+  for (const WalkedFace& f : some.faces) entered.insert(f.face);
+  for (const WalkedFace& f : all.faces) {
+    double least = kPi;
+    for (int k = 0; k < 3; ++k)
+      least = std::min(least, std::acos(mesh.corner_normal(f.face, k).dot(ellipse.frame.normal)));
+    if (least <= 0.3) {
+      EXPECT_TRUE(entered.contains(f.face)) << least;
+    }
+    // A face of this mesh spans about 0.05.
+    if (least > 0.4) {
+      EXPECT_FALSE(entered.contains(f.face)) << least;
+    }
+  }
+  options.measure_deviation = false;
+  EXPECT_EQ(walk_surface(mesh, ellipse, options).normal_deviation, 0.0);
+  EXPECT_EQ(walk_surface(mesh, ellipse, options).faces.size(), some.faces.size());
+}
+
 TEST(SurfaceWalk, KeepsTheNearestFacesWhenTruncated) {
   const SurfaceMesh mesh = plane(24);
   const SurfaceEllipse ellipse = make_ellipse(mesh, 500, kCentre, Vec3::UnitX(), Vec2(0.4, 0.4));
