@@ -19,6 +19,13 @@ struct Bounds {
   Vec2 high = -low;
 };
 
+// First and last of `count` unit cells that the interval meets; it does meet some.
+std::pair<std::uint32_t, std::uint32_t> range(double low, double high, std::uint32_t count) {
+  const double last = count - 1.0;
+  return {static_cast<std::uint32_t>(std::clamp(std::floor(low), 0.0, last)),
+          static_cast<std::uint32_t>(std::clamp(std::floor(high), 0.0, last))};
+}
+
 }  // namespace
 
 // A footprint in units of the coarse cells of its patch.
@@ -108,13 +115,6 @@ class RegionIndex::Builder {
     }
   }
 
-  // First and last of `count` unit cells that the interval meets; it does meet some.
-  static std::pair<std::uint32_t, std::uint32_t> range(double low, double high, std::uint32_t count) {
-    const double last = count - 1.0;
-    return {static_cast<std::uint32_t>(std::clamp(std::floor(low), 0.0, last)),
-            static_cast<std::uint32_t>(std::clamp(std::floor(high), 0.0, last))};
-  }
-
   // Per coarse cell the boxes that meet it, in rising order.
   void list_by_cell(const Grid& grid) {
     cell_begin_.assign(std::size_t{grid.width} * grid.height + 1, 0);
@@ -189,6 +189,37 @@ RegionIndex::RegionIndex(std::size_t patch_count, std::span<const PatchFootprint
                          const RegionIndexOptions& options)
     : grids_(patch_count) {
   Builder(*this, footprints, options).build();
+}
+
+void RegionIndex::find(std::uint32_t patch, const Vec2& low, const Vec2& high,
+                       std::vector<std::uint32_t>& result) const {
+  const Grid& grid = grids_[patch];
+  const Vec2 from = (low - grid.low) * grid.cells_per_unit;
+  const Vec2 to = (high - grid.low) * grid.cells_per_unit;
+  // Written so that NaN is outside, as is every box of a patch without cells.
+  if (!(from.x() <= to.x() && from.y() <= to.y() && to.x() >= 0.0 && to.y() >= 0.0 && from.x() < grid.width &&
+        from.y() < grid.height)) {
+    return;
+  }
+  const auto known = static_cast<std::ptrdiff_t>(result.size());
+  const auto [i0, i1] = range(from.x(), to.x(), grid.width);
+  const auto [j0, j1] = range(from.y(), to.y(), grid.height);
+  for (std::uint32_t j = j0; j <= j1; ++j) {
+    for (std::uint32_t i = i0; i <= i1; ++i) {
+      const Cell& cell = cells_[grid.first_cell + std::size_t{j} * grid.width + i];
+      const std::uint32_t split = 1u << cell.log2_split;
+      const auto [k0, k1] = range((from.x() - i) * split, (to.x() - i) * split, split);
+      const auto [l0, l1] = range((from.y() - j) * split, (to.y() - j) * split, split);
+      for (std::uint32_t l = l0; l <= l1; ++l) {
+        // The lists of a row of fine cells follow each other.
+        const std::size_t row = cell.first_list + (std::size_t{l} << cell.log2_split);
+        result.insert(result.end(), entries_.begin() + list_begin_[row + k0],
+                      entries_.begin() + list_begin_[row + k1 + 1]);
+      }
+    }
+  }
+  std::sort(result.begin() + known, result.end());
+  result.erase(std::unique(result.begin() + known, result.end()), result.end());
 }
 
 std::size_t RegionIndex::memory() const {

@@ -73,6 +73,60 @@ TEST(RegionIndex, FindsTheBordersOfBoxes) {
   }
 }
 
+std::vector<std::uint32_t> meeting(const std::vector<PatchFootprint>& footprints, std::uint32_t patch,
+                                   const Vec2& low, const Vec2& high) {
+  std::vector<std::uint32_t> records;
+  for (const PatchFootprint& f : footprints) {
+    if (f.patch == patch && (f.low.array() <= high.array()).all() && (low.array() <= f.high.array()).all())
+      records.push_back(f.record);
+  }
+  return records;
+}
+
+TEST(RegionIndex, FindsInABoxWhatBruteForceFinds) {
+  const std::vector<PatchFootprint> footprints = random_footprints(3000);
+  const RegionIndex index(4, footprints);
+  test::SeededBits random(4);
+  std::vector<std::uint32_t> records;
+  std::size_t extra = 0;
+  std::size_t all = 0;
+  for (int i = 0; i < 600; ++i) {
+    const auto patch = static_cast<std::uint32_t>(i % 4);
+    const Vec2 low(12.0 * random.uniform() - 1.0, 4.0 * random.uniform() - 0.5);
+    const double size = i % 5 == 0 ? 0.0 : std::pow(10.0, 3.0 * random.uniform() - 2.0);
+    const Vec2 high = low + size * Vec2(random.uniform(), random.uniform());
+    records.assign(1, 123456);  // What is there already stays.
+    index.find(patch, low, high, records);
+    ASSERT_EQ(records.front(), 123456u);
+    EXPECT_TRUE(std::is_sorted(records.begin() + 1, records.end()));
+    EXPECT_EQ(std::adjacent_find(records.begin(), records.end()), records.end());
+    const std::vector<std::uint32_t> expected = meeting(footprints, patch, low, high);
+    EXPECT_TRUE(std::includes(records.begin() + 1, records.end(), expected.begin(), expected.end()));
+    all += expected.size();
+    extra += records.size() - 1 - expected.size();
+  }
+  EXPECT_GT(all, 5000u);
+  EXPECT_LT(extra, all / 3);
+}
+
+TEST(RegionIndex, FindsInNoBoxThatIsNone) {
+  const RegionIndex index(2, std::vector<PatchFootprint>{{5, 0, Vec2(1, 1), Vec2(2, 2)}});
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  const auto found_in = [&](std::uint32_t patch, const Vec2& low, const Vec2& high) {
+    std::vector<std::uint32_t> records;
+    index.find(patch, low, high, records);
+    return records;
+  };
+  EXPECT_THAT(found_in(0, Vec2(-infinity, -infinity), Vec2(infinity, infinity)), ElementsAre(5u));
+  EXPECT_THAT(found_in(0, Vec2(2, 2), Vec2(3, 3)), ElementsAre(5u));
+  EXPECT_THAT(found_in(1, Vec2(0, 0), Vec2(3, 3)), IsEmpty());
+  EXPECT_THAT(found_in(0, Vec2(1.7, 1), Vec2(1.3, 2)), IsEmpty());
+  EXPECT_THAT(found_in(0, Vec2(nan, 0), Vec2(3, 3)), IsEmpty());
+  EXPECT_THAT(found_in(0, Vec2(0, 0), Vec2(3, nan)), IsEmpty());
+  EXPECT_THAT(found_in(0, Vec2(3.5, 0), Vec2(4, 3)), IsEmpty());
+}
+
 TEST(RegionIndex, ReturnsFewOthersAndStaysSmall) {
   const std::vector<PatchFootprint> footprints = random_footprints(20000);
   const RegionIndex index(4, footprints);

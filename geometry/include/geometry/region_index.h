@@ -63,6 +63,10 @@ class RegionIndex {
     return {entries_.data() + list_begin_[fine], entries_.data() + list_begin_[fine + 1]};
   }
 
+  /// Appends the records with a footprint near the closed box [low, high] of (u, v), once each and in
+  /// rising order: all whose box meets it, and some more. One call answers for all points of a tile.
+  void find(std::uint32_t patch, const Vec2& low, const Vec2& high, std::vector<std::uint32_t>& result) const;
+
   [[nodiscard]] std::size_t entry_count() const { return entries_.size(); }
   /// Of the arrays. [bytes]
   [[nodiscard]] std::size_t memory() const;
