@@ -71,8 +71,8 @@ AnalyticSurface make_band_of_sphere() {
     const double z = 1.6 * (v - 0.5);  // Equal areas.
     return Vec3(2.0 * Vec3(std::sqrt(1.0 - z * z) * std::cos(a), std::sqrt(1.0 - z * z) * std::sin(a), z));
   };
-  grid.nu = 48;
-  grid.nv = 15;
+  grid.nu = 64;
+  grid.nv = 20;
   grid.wrap_u = true;
   grid.jitter = 0.5;
   return {"sphere", test::make_grid(grid), [](const Vec3& p) { return sphere_shape(p, 2.0); },
@@ -118,7 +118,7 @@ std::vector<AnalyticSurface> analytic_surfaces() {
   const auto inner = [](const Vec3& p) { return std::max(std::abs(p.x()), std::abs(p.y())) < 0.8; };
   return {
       make_band_of_sphere(),
-      {"torus", test::make_torus(2.0, 0.7, 72, 30, 0.5),
+      {"torus", test::make_torus(2.0, 0.7, 96, 40, 0.5),
        [](const Vec3& p) { return torus_shape(p, 2.0, 0.7); }, [](const Vec3&) { return true; }},
       make_capped_cylinder(),
       {"saddle", test::make_height_field([](double x, double y) { return 0.5 * (x * x - y * y); }, 28, 0.5),
