@@ -36,6 +36,7 @@ struct Settings {
   std::vector<std::string> defines;
   std::vector<double> errors;
   std::vector<int> records;
+  std::vector<std::string> samplers = {"image"};
   int width = 512, height = 512;
   int samples_per_pixel = 16;
   int reference_samples = 2048;
@@ -250,20 +251,25 @@ std::vector<CacheSetting> cache_settings(const Settings& settings) {
   CacheOptions base;
   base.gather_rays = settings.gather_rays;
   std::vector<CacheSetting> result;
-  for (const double error : settings.errors) {
-    result.push_back({fmt::format("error {:g}", error), base});
-    result.back().options.error = error;
+  for (const std::string& sampler : settings.samplers) {
+    base.sampler = sampler == "surface" ? Sampler::kSurface : Sampler::kImage;
+    const std::string suffix = settings.samplers.size() > 1 ? " " + sampler : "";
+    std::vector<double> errors = settings.errors;
+    if (errors.empty() && settings.records.empty()) errors.push_back(base.error);
+    for (const double error : errors) {
+      result.push_back({fmt::format("error {:g}{}", error, suffix), base});
+      result.back().options.error = error;
+    }
+    for (const int records : settings.records) {
+      result.push_back({fmt::format("records {}{}", records, suffix), base});
+      result.back().options.records = records;
+    }
   }
-  for (const int records : settings.records) {
-    result.push_back({fmt::format("records {}", records), base});
-    result.back().options.records = records;
-  }
-  if (result.empty()) result.push_back({fmt::format("error {:g}", base.error), base});
   return result;
 }
 
 void print_phases(const RenderStats& stats) {
-  fmt::print("{:16}", "");
+  fmt::print("{:20}", "");
   for (const PhaseTime& phase : stats.phases) fmt::print("  {} {:.2f} s", phase.name, phase.cpu_seconds);
   fmt::print("  gather rays {:.1f} M\n", 1e-6 * static_cast<double>(stats.gather_rays));
 }
@@ -283,7 +289,7 @@ json compare(const Scene& scene, const References& references, const CacheSettin
     last = m.stats;
   }
   json row = {{"setting", setting.label}, {"records", median(records)}, {"cache", cache.to_json()}};
-  fmt::print("{:16} {:>8.0f} {:>9.2f} {:>10.3e}", setting.label, median(records), cache.cpu(), cache.error());
+  fmt::print("{:20} {:>8.0f} {:>9.2f} {:>10.3e}", setting.label, median(records), cache.cpu(), cache.error());
   if (!settings.cache_only) {
     const int samples = equal_time_samples(scene, cache.cpu());
     for (int i = 0; i < settings.repeats; ++i) {
@@ -319,7 +325,7 @@ json run_scene(const std::string& file, const Settings& settings) {
 
   fmt::print("\n{}, {}x{}, {} samples a pixel\n", fs::path(file).filename().string(), settings.width,
              settings.height, settings.samples_per_pixel);
-  fmt::print("{:16} {:>8} {:>9} {:>10}", "cache", "records", "CPU s", "relMSE");
+  fmt::print("{:20} {:>8} {:>9} {:>10}", "cache", "records", "CPU s", "relMSE");
   fmt::print("{}\n", settings.cache_only
                          ? ""
                          : fmt::format(" {:>6} {:>9} {:>10} {:>8}", "spp", "CPU s", "relMSE", "ratio"));
@@ -336,6 +342,8 @@ void declare_options(CLI::App& app, Settings& settings) {
       ->allow_extra_args(false);
   app.add_option("--error", settings.errors, "Error thresholds of the cache")->check(CLI::PositiveNumber);
   app.add_option("--records", settings.records, "Numbers of records")->check(CLI::PositiveNumber);
+  app.add_option("--sampler", settings.samplers, "image, surface or both")
+      ->check(CLI::IsMember({"image", "surface"}));
   app.add_option("--gather-rays", settings.gather_rays, "Rays of a record; 0 chooses by sharpness")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--width", settings.width, "Film width")->check(CLI::PositiveNumber)->capture_default_str();

@@ -6,7 +6,7 @@
 #include "core/sobol.h"
 #include "io/scene_reader.h"
 #include "placement/gather.h"
-#include "placement/pixel_grid.h"
+#include "placement/visible_points.h"
 #include "placement/place_records.h"
 #include "placement/tile.h"
 #include "shading/interpolate.h"
@@ -42,14 +42,11 @@ const Fixture& fixture() {
 std::vector<RecordSite> some_sites(const Fixture& f) {
   std::uint64_t camera_rays = 0;
   const PlacementView view = {0, 0, kSize, kSize, &f.film};
-  const PixelGrid grid(f.scene, view, camera_rays);
+  const SceneCharts charts(f.scene);
+  const VisiblePoints points = pixel_centres(charts, view, camera_rays);
   std::vector<RecordSite> sites;
-  for (std::size_t i = 0; i < grid.lattice_prefix(kSize / 8); ++i) {
-    const std::size_t pixel = grid.order()[i];
-    if (const auto point = grid.surface_point(f.scene, pixel)) {
-      sites.push_back(make_site(f.scene, *point, grid.key(pixel)));
-    }
-  }
+  for (std::size_t i = 0; i < points.pilot_count(); ++i)
+    sites.push_back(make_site(f.scene, points.surface_point(i), points.key(i)));
   return sites;
 }
 
@@ -89,12 +86,14 @@ void interpolate_samples(benchmark::State& state) {
   options.records = 1000;
   options.gather_rays = 1024;
   const PlacementView view = {0, 0, kSize, kSize, &f.film};
-  const RadianceCache cache(place_records(f.scene, view, options, 1, 1, {}).records, kWideSupport);
+  PlacementResult placed = place_records(f.scene, view, options, 1, 1, {});
+  const RadianceCache cache(placed.charts, std::move(placed.records), kWideSupport);
   RayCounts counts;
   const Tile tile = trace_tile(f.scene, f.film, f.layout, f.layout.count() / 2, {0, 1}, counts);
   for (auto _ : state) {
     const TileRecords records(cache, tile);
-    for (const SurfacePoint16& p : tile.points) benchmark::DoNotOptimize(interpolate(records, p, 2));
+    for (std::size_t i = 0; i < tile.points.size(); ++i)
+      benchmark::DoNotOptimize(interpolate(records, i, 2));
   }
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(tile.points.size() * kLanes));
 }

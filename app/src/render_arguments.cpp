@@ -96,6 +96,9 @@ void declare_cache(CLI::App& command, CacheOptions& cache) {
   group(command.add_flag_callback(
       "--no-glossy-glossy", [&cache] { cache.glossy_glossy = false; },
       "Leave out the derivative of light reflected by glossy surfaces"));
+  group(add_choice(command, "--sampler", cache.sampler,
+                   {{"image", Sampler::kImage}, {"surface", Sampler::kSurface}},
+                   "Place records by the picture's pixels, or around each other over the surfaces"));
   group(add_choice(command, "--placement", cache.metric,
                    {{"hessian", PlacementMetric::kHessian}, {"uniform", PlacementMetric::kUniform}},
                    "Record radii by the radiance Hessian, or one radius everywhere"));

@@ -71,15 +71,20 @@ struct Gate {
 // One walk: the faces it has taken and the gates it has yet to pass.
 class Walk {
  public:
-  Walk(const SurfaceMesh& mesh, const SurfaceEllipse& ellipse)
-      : mesh_(mesh), ellipse_(ellipse), inverse_radii_(ellipse.radii.cwiseInverse()) {}
+  Walk(const SurfaceMesh& mesh, const SurfaceEllipse& ellipse, const SurfaceWalkOptions& options)
+      : mesh_(mesh), ellipse_(ellipse), options_(options), inverse_radii_(ellipse.radii.cwiseInverse()) {}
 
-  SurfaceWalk run(std::size_t max_faces) {
+  SurfaceWalk run() {
+    const std::size_t max_faces = std::max<std::size_t>(1, options_.max_faces);
     take_first();
     while (!gates_.empty()) {
       const Gate gate = gates_.top();
       gates_.pop();
       if (reached_.contains(gate.face)) continue;
+      if (turned_away(gate.face)) {
+        reached_.insert(gate.face);
+        continue;
+      }
       if (walk_.faces.size() == max_faces) {
         walk_.truncated = true;
         break;
@@ -124,7 +129,7 @@ class Walk {
 
   void take(std::uint32_t face, const std::array<Vec2, 3>& corners) {
     reached_.insert(face);
-    WalkedFace walked{face, corners, deviation(face, corners)};
+    WalkedFace walked{face, corners, options_.measure_deviation ? deviation(face, corners) : 0.0};
     walk_.normal_deviation = std::max(walk_.normal_deviation, walked.normal_deviation);
     walk_.faces.push_back(walked);
     for (std::size_t k = 0; k < 3; ++k) add_gate(face, k, corners[k], corners[next(k)]);
@@ -142,6 +147,26 @@ class Walk {
     if (reached_.contains(behind)) return;
     const auto entry = static_cast<std::uint32_t>(halfedge_corner(halfedges, across));
     gates_.push({distance2, gate_count_++, behind, entry, b, a});
+  }
+
+  // Whether no normal of the face can lie within the accepted deviation: the normals of its points lie
+  // in the cone around the mean normal that holds its corners'.
+  [[nodiscard]] bool turned_away(std::uint32_t face) const {
+    if (!(options_.max_deviation < kPi)) return false;
+    std::array<Vec3, 3> normals;
+    Vec3 mean = Vec3::Zero();
+    for (std::size_t k = 0; k < 3; ++k) {
+      normals[k] = side_ * mesh_.corner_normal(face, static_cast<int>(k));
+      mean += normals[k];
+    }
+    const double length = mean.norm();
+    if (!(length > 0.0)) return false;
+    mean /= length;
+    double spread = 1.0;
+    for (const Vec3& n : normals) spread = std::min(spread, n.dot(mean));
+    const double least = std::acos(std::clamp(mean.dot(ellipse_.frame.normal), -1.0, 1.0)) -
+                         std::acos(std::clamp(spread, -1.0, 1.0));
+    return least > options_.max_deviation;
   }
 
   // The largest over the corners of the part inside the ellipse: the face's own corners, the ends of
@@ -194,6 +219,7 @@ class Walk {
 
   const SurfaceMesh& mesh_;
   const SurfaceEllipse& ellipse_;
+  const SurfaceWalkOptions& options_;
   const Vec2 inverse_radii_;
   double side_ = 1.0;
   std::priority_queue<Gate> gates_;
@@ -209,7 +235,7 @@ SurfaceWalk walk_surface(const SurfaceMesh& mesh, const SurfaceEllipse& ellipse,
   VRC_CHECK(ellipse.face < mesh.face_count(), "face {} of {}", ellipse.face, mesh.face_count());
   VRC_CHECK(ellipse.radii.minCoeff() > 0.0 && ellipse.radii.allFinite(), "radii {} and {}", ellipse.radii.x(),
             ellipse.radii.y());
-  return Walk(mesh, ellipse).run(std::max<std::size_t>(1, options.max_faces));
+  return Walk(mesh, ellipse, options).run();
 }
 
 SurfaceEllipse make_ellipse(const SurfaceMesh& mesh, std::uint32_t face, const Vec3& barycentric,

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
-#include "placement/radiance_cache.h"
+#include "placement/chart_points.h"
 
 namespace vrc {
 namespace {
@@ -42,8 +42,8 @@ Jet2 to_jet(const Vec6& v) {
   return j;
 }
 
-std::array<Jet2, 3> fit(const RadianceCache& cache, std::size_t index, double mean_luminance) {
-  const std::span<const RadianceRecord> records = cache.records();
+std::array<Jet2, 3> fit(const SceneCharts& charts, const ChartPoints& centers,
+                        std::span<const RadianceRecord> records, std::size_t index, double mean_luminance) {
   const RadianceRecord& record = records[index];
   const double scale = perceived(record.estimate.luminance.value, mean_luminance);
   const double length = std::sqrt(record.region.radius1 * record.region.radius2);
@@ -60,14 +60,12 @@ std::array<Jet2, 3> fit(const RadianceCache& cache, std::size_t index, double me
   for (std::size_t c = 0; c < 3; ++c) {
     right[c] = precision.cwiseProduct(to_vector(record.estimate.radiance[c]).cwiseProduct(unit));
   }
-  const Vec3 half = Vec3::Constant(kReach * std::max(record.region.radius1, record.region.radius2));
-  std::vector<std::uint32_t> near;
-  cache.find(Box3(record.region.center - half, record.region.center + half), near);
-  for (const std::uint32_t i : near) {
+  const SurfaceReach reach = reach_over_surface(charts, record.site.point, record.region, kReach);
+  const auto add_neighbour = [&](std::uint32_t i) {
     const RadianceRecord& other = records[i];
-    if (i == index || other.site.point.region != record.site.point.region) continue;
+    if (i == index) return;
     const double k = joint_distance(record.region, other.region.center, other.region.normal);
-    if (k >= kReach) continue;
+    if (k >= kReach || !reach.contains(other.site.point.triangle)) return;
     const Vec3 d = other.region.center - record.region.center;
     const Vec6 basis =
         taylor_basis(Vec2(d.dot(record.site.frame.tangent), d.dot(record.site.frame.bitangent)) / length);
@@ -75,7 +73,13 @@ std::array<Jet2, 3> fit(const RadianceCache& cache, std::size_t index, double me
     const double weight = 1.0 / (other.estimate.variance.value + floor * floor + model * model);
     normal += weight * basis * basis.transpose();
     for (std::size_t c = 0; c < 3; ++c) right[c] += weight * other.estimate.radiance[c].value * basis;
+  };
+  std::vector<std::uint32_t> near;
+  for (const PatchBox& box : reach.boxes) {
+    centers.for_each_near(box, [&near](std::uint32_t i) { near.push_back(i); });
   }
+  std::ranges::sort(near);  // so that rounding does not depend on how the centres are stored
+  std::ranges::for_each(near, add_neighbour);
   const Eigen::LDLT<Mat6> solver(normal);
   std::array<Jet2, 3> result;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -87,10 +91,18 @@ std::array<Jet2, 3> fit(const RadianceCache& cache, std::size_t index, double me
 
 }  // namespace
 
-void fit_jointly(std::vector<RadianceRecord>& records, const RegionRule& rule) {
-  const RadianceCache cache(records, 1.0);
+void fit_jointly(const SceneCharts& charts, std::vector<RadianceRecord>& records, const RegionRule& rule) {
+  std::vector<ChartPoint> points;
+  points.reserve(records.size());
+  for (const RadianceRecord& record : records) {
+    const SurfacePoint& p = record.site.point;
+    points.push_back({charts.patch_of(p.triangle),
+                      charts.uv(p.triangle, static_cast<double>(p.u), static_cast<double>(p.v))});
+  }
+  const ChartPoints centers(charts.patch_count(), points);
+  // Only `radiance` and `clamp_factor` change, which no fit reads.
   parallel_for(records.size(), [&](std::size_t i) {
-    set_radiance(records[i], fit(cache, i, rule.mean_luminance), rule.mean_luminance);
+    set_radiance(records[i], fit(charts, centers, records, i, rule.mean_luminance), rule.mean_luminance);
   });
 }
 

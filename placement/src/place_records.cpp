@@ -5,42 +5,46 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
-#include "core/hash.h"
 #include "core/parallel.h"
+#include "open_samples.h"
 #include "placement/joint_fit.h"
-#include "placement/pixel_grid.h"
 #include "placement/record_maker.h"
-#include "placement/tile.h"
+#include "placement/visible_points.h"
+#include "point_chooser.h"
 
 namespace vrc {
 namespace {
 
-constexpr int kPilotStride = 32;  // pixels between the first records
 constexpr int kLog2PilotRays = 10;
 constexpr double kNoiseShare = 1.0;  // of the accepted error: a record's own noise
 constexpr double kNoiseLimit = 2.5;  // of the accepted error: beyond this a record is gathered again
-constexpr std::size_t kSmallestRound = 32;
-constexpr std::size_t kRoundShare = 8;  // a round makes at most 1/8 of the records so far
 constexpr int kSampleRounds = 6;        // passes over the samples that pixel centres miss
 constexpr int kCountRounds = 80;        // steps of the search for a wanted number of records
 constexpr int kWidenSteps = 6;
 constexpr double kCoarsestError = 2.0;  // where that search begins
 
-class ImagePlacement {
+class Placement {
  public:
-  ImagePlacement(const Scene& scene, const PlacementView& view, const CacheOptions& options, int bounces,
-                 std::uint64_t seed, const RunControl& control)
+  Placement(const Scene& scene, const PlacementView& view, const CacheOptions& options, int bounces,
+            std::uint64_t seed, const RunControl& control)
       : scene_(scene),
         view_(view),
         options_(options),
         control_(control),
-        grid_(scene, view, result_.counts.camera) {
+        charts_(make_charts()),
+        points_(options.sampler == Sampler::kImage ? pixel_centres(*charts_, view, result_.counts.camera)
+                                                   : film_points(*charts_, view, result_.counts.camera)) {
     gather_.bounces = bounces;
     gather_.glossy_glossy = options.glossy_glossy;
     gather_.seed = seed;
     rule_.options = &options_;
     rule_.picture_width = std::max(scene.camera().width, scene.camera().height);
+    if (options.sampler == Sampler::kImage)
+      chooser_ = std::make_unique<OrderedChooser>(points_);
+    else
+      chooser_ = std::make_unique<FrontChooser>(*charts_, points_);
   }
 
   PlacementResult run() {
@@ -49,21 +53,30 @@ class ImagePlacement {
     if (options_.records > 0) {
       reach_count();
     } else {
-      sweep(threshold(options_.error));
+      sweep(threshold(options_.error), *chooser_);
       if (!result_.unfinished) cover_samples();
     }
     result_.phases.push_back(timer.elapsed());
     if (options_.joint_fit) {
       PhaseTimer fit_timer("fit records");
-      fit_jointly(result_.records, rule_);
+      fit_jointly(*charts_, result_.records, rule_);
       result_.phases.push_back(fit_timer.elapsed());
     }
+    classify();
+    result_.charts = charts_;
     result_.epsilon = rule_.epsilon;
     result_.mean_luminance = rule_.mean_luminance;
     return std::move(result_);
   }
 
  private:
+  std::shared_ptr<const SceneCharts> make_charts() {
+    PhaseTimer timer("charts");
+    auto charts = std::make_shared<const SceneCharts>(scene_);
+    result_.phases.push_back(timer.elapsed());
+    return charts;
+  }
+
   /// The threshold of eq. 4 that gave a relative error in measurements (docs/decisions).
   static double threshold(double error) {
     return std::min(0.12 * error * error, 133.0 * error * error * error * error);
@@ -85,23 +98,32 @@ class ImagePlacement {
     }
   }
 
-  [[nodiscard]] RecordSite site_at(std::size_t pixel) const {
-    return make_site(scene_, *grid_.surface_point(scene_, pixel), grid_.key(pixel));
+  void make_at(std::span<const std::uint32_t> points) {
+    std::vector<RecordSite> sites;
+    for (const std::uint32_t i : points)
+      sites.push_back(make_site(scene_, points_.surface_point(i), points_.key(i)));
+    make(sites);
   }
 
-  void shape(RadianceRecord& record) const { shape_record(record, rule_); }
+  /// Gives the records from `first` on their regions and marks the points that these cover.
+  void shape_and_cover(std::size_t first) {
+    std::vector<SurfaceReach> reaches(result_.records.size() - first);
+    parallel_for(reaches.size(), [&](std::size_t i) {
+      RadianceRecord& record = result_.records[first + i];
+      shape_record(record, rule_);
+      reaches[i] = reach_over_surface(*charts_, record.site.point, record.region, 1.0);
+    });
+    for (std::size_t i = 0; i < reaches.size(); ++i)
+      points_.cover(result_.records[first + i].region, reaches[i]);
+  }
 
   /// Cheap records on a coarse lattice tell the mean luminance and how many rays a record needs, and
   /// are thrown away.
   void pilot() {
-    int stride = kPilotStride;
-    while (stride > 1 && 8 * stride > std::min(grid_.width(), grid_.height())) stride /= 2;
-    std::vector<RecordSite> sites;
-    for (std::size_t i = 0; i < grid_.lattice_prefix(stride); ++i) {
-      if (grid_.is_open(grid_.order()[i])) sites.push_back(site_at(grid_.order()[i]));
-    }
+    std::vector<std::uint32_t> pilots(points_.pilot_count());
+    std::iota(pilots.begin(), pilots.end(), 0u);
     gather_.log2_rays = kLog2PilotRays;
-    make(sites);
+    make_at(pilots);
     double sum = 0.0;
     for (const RadianceRecord& record : result_.records) sum += record.estimate.luminance.value;
     rule_.mean_luminance =
@@ -139,39 +161,31 @@ class ImagePlacement {
   void spread(double epsilon) {
     rule_.epsilon = epsilon;
     rule_.uniform_radius = std::pow(epsilon, 0.25) * 0.1;
-    grid_.clear_coverage();
-    for (RadianceRecord& record : result_.records) {
-      shape(record);
-      grid_.cover(record.region, record.site.point.region);
-    }
+    points_.clear_coverage();
+    shape_and_cover(0);
   }
 
   [[nodiscard]] bool all_covered() const {
-    for (std::size_t pixel = 0; pixel < grid_.size(); ++pixel) {
-      if (grid_.is_open(pixel)) return false;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      if (points_.is_open(i)) return false;
     }
     return true;
   }
 
-  /// Covers every pixel centre at a threshold, keeping the records there are; stops at `limit` records.
-  void sweep(double epsilon, std::size_t limit = std::numeric_limits<std::size_t>::max()) {
+  /// Covers every visible point at a threshold, keeping the records there are; stops at `limit` records.
+  void sweep(double epsilon, PointChooser& chooser,
+             std::size_t limit = std::numeric_limits<std::size_t>::max()) {
     spread(epsilon);
-    for (std::size_t next = 0;
-         next < grid_.size() && result_.records.size() < limit && !result_.unfinished;) {
-      const std::size_t round = std::min(std::max(kSmallestRound, result_.records.size() / kRoundShare),
-                                         limit - result_.records.size());
-      std::vector<RecordSite> sites;
-      for (; next < grid_.size() && sites.size() < round; ++next) {
-        if (grid_.is_open(grid_.order()[next])) sites.push_back(site_at(grid_.order()[next]));
-      }
+    chooser.start();
+    while (result_.records.size() < limit && !result_.unfinished) {
+      const std::vector<std::uint32_t> chosen =
+          chooser.choose(result_.records, limit - result_.records.size());
+      if (chosen.empty()) break;
       const std::size_t first = result_.records.size();
-      make(sites);
-      for (std::size_t i = first; i < result_.records.size(); ++i) {
-        shape(result_.records[i]);
-        grid_.cover(result_.records[i].region, result_.records[i].site.point.region);
-      }
-      control_.report({"place records", static_cast<double>(next) / static_cast<double>(grid_.size()),
-                       result_.records.size(), result_.counts.gather + result_.counts.shadow});
+      make_at(chosen);
+      shape_and_cover(first);
+      control_.report({"place records", chooser.progress(), result_.records.size(),
+                       result_.counts.gather + result_.counts.shadow});
     }
   }
 
@@ -182,7 +196,9 @@ class ImagePlacement {
     const auto wanted = static_cast<std::size_t>(options_.records);
     double epsilon = threshold(kCoarsestError);
     double covering = 1e4 * epsilon;
-    sweep(epsilon, wanted);
+    // Should the limit end this sweep, its holes must lie everywhere, not beyond a front.
+    OrderedChooser ordered(points_);
+    sweep(epsilon, ordered, wanted);
     std::size_t checked = 0;  // records when the samples were last looked at
     for (int step = 0; step < kCountRounds && !result_.unfinished; ++step) {
       if (3 * result_.records.size() >= wanted && result_.records.size() > checked) {
@@ -195,12 +211,12 @@ class ImagePlacement {
       // The count grows about as epsilon^-0.46; approach from below, since records are kept.
       covering = epsilon;
       epsilon *= std::pow(std::clamp(0.85 * ratio, 1.08, 5.0), -1.0 / 0.46);
-      sweep(epsilon, wanted);
+      sweep(epsilon, *chooser_, wanted);
     }
     if (!result_.unfinished && !all_covered()) widen(epsilon, covering);
   }
 
-  /// Bisects for the smallest threshold between two at which the records cover all pixel centres.
+  /// Bisects for the smallest threshold between two at which the records cover all points.
   void widen(double low, double high) {
     for (int step = 0; step < kWidenSteps; ++step) {
       const double middle = std::sqrt(low * high);
@@ -210,59 +226,18 @@ class ImagePlacement {
     spread(high);
   }
 
-  struct OpenSample {
-    std::uint32_t triangle;
-    float u, v;
-    std::uint64_t key;
-  };
-
-  using TakenBlocks = std::array<bool, (kTileSize / 2) * (kTileSize / 2)>;
-
-  /// Samples of a tile that no region reaches; at most one for each square of 2 x 2 pixels.
-  [[nodiscard]] std::vector<OpenSample> open_samples(const RadianceCache& cache, const TileLayout& layout,
-                                                     std::size_t index, RayCounts& counts) const {
-    std::vector<OpenSample> result;
-    TakenBlocks taken{};
-    for_each_range(*view_.film, [&](const PacketRange& range) {
-      const Tile tile = trace_tile(scene_, *view_.film, layout, index, range, counts);
-      add_open_samples(TileRecords(cache, tile), tile, taken, result);
-    });
-    return result;
-  }
-
-  static void add_open_samples(const TileRecords& records, const Tile& tile, TakenBlocks& taken,
-                               std::vector<OpenSample>& result) {
-    const auto row = static_cast<std::size_t>(tile.x1 - tile.x0);
-    for (std::size_t i = 0; i < tile.points.size(); ++i) {
-      const SurfacePoint16& p = tile.points[i];
-      I16 open = p.scatters;
-      if (any(open)) {
-        records.for_each(p, static_cast<float>(kWideSupport),
-                         [&](const PackedRecord&, const Coverage16& c) { open &= ~(c.weight > 0.0f); });
-      }
-      if (!any(open)) continue;
-      const std::size_t pixel = i / static_cast<std::size_t>(tile.packets_per_pixel);
-      bool& block = taken[(pixel / row / 2) * (kTileSize / 2) + (pixel % row) / 2];
-      if (block) continue;
-      block = true;
-      const int lane = first_lane(open);
-      const std::uint64_t key = hash(0x5a3u, p.triangle[lane], std::bit_cast<std::uint32_t>(float{p.u[lane]}),
-                                     std::bit_cast<std::uint32_t>(float{p.v[lane]}));
-      result.push_back({static_cast<std::uint32_t>(p.triangle[lane]), p.u[lane], p.v[lane], key});
-    }
-  }
-
-  /// Slivers between pixel centres: what no region reaches even when widened gets records.
+  /// Slivers between the points: what no region reaches even when widened gets records.
   void cover_samples() {
     const TileLayout layout = {view_.x0, view_.y0, view_.x1, view_.y1};
     std::vector<std::size_t> tiles(layout.count());
     for (std::size_t i = 0; i < tiles.size(); ++i) tiles[i] = i;
     for (int round = 0; round < kSampleRounds && !tiles.empty() && !result_.unfinished; ++round) {
-      const RadianceCache cache(result_.records, kWideSupport);
+      const RadianceCache cache(charts_, result_.records, kWideSupport);
       std::vector<std::vector<OpenSample>> open(tiles.size());
       std::vector<RayCounts> counts(tiles.size());
-      parallel_for(tiles.size(),
-                   [&](std::size_t i) { open[i] = open_samples(cache, layout, tiles[i], counts[i]); });
+      parallel_for(tiles.size(), [&](std::size_t i) {
+        open[i] = find_open_samples(scene_, *view_.film, cache, layout, tiles[i], counts[i]);
+      });
       std::vector<RecordSite> sites;
       std::vector<std::size_t> again;
       for (std::size_t i = 0; i < tiles.size(); ++i) {
@@ -275,9 +250,16 @@ class ImagePlacement {
       }
       const std::size_t first = result_.records.size();
       make(sites);
-      for (std::size_t i = first; i < result_.records.size(); ++i) shape(result_.records[i]);
+      for (std::size_t i = first; i < result_.records.size(); ++i) shape_record(result_.records[i], rule_);
       tiles = std::move(again);
     }
+  }
+
+  void classify() {
+    parallel_for(result_.records.size(), [&](std::size_t i) {
+      RadianceRecord& record = result_.records[i];
+      record.curvature = classify_site(*charts_, record, options_.max_normal_deviation);
+    });
   }
 
   const Scene& scene_;
@@ -285,7 +267,9 @@ class ImagePlacement {
   const CacheOptions& options_;
   const RunControl& control_;
   PlacementResult result_;
-  PixelGrid grid_;
+  std::shared_ptr<const SceneCharts> charts_;
+  VisiblePoints points_;
+  std::unique_ptr<PointChooser> chooser_;
   GatherOptions gather_;
   NoiseGoal noise_goal_;
   RegionRule rule_;
@@ -295,7 +279,7 @@ class ImagePlacement {
 
 PlacementResult place_records(const Scene& scene, const PlacementView& view, const CacheOptions& options,
                               int bounces, std::uint64_t seed, const RunControl& control) {
-  return ImagePlacement(scene, view, options, bounces, seed, control).run();
+  return Placement(scene, view, options, bounces, seed, control).run();
 }
 
 }  // namespace vrc

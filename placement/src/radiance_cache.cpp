@@ -2,12 +2,12 @@
 #include "placement/radiance_cache.h"
 
 #include <algorithm>
-#include <numeric>
+
+#include "core/error.h"
+#include "core/parallel.h"
+#include "placement/surface_reach.h"
 
 namespace vrc {
-namespace {
-
-constexpr std::uint32_t kLeafSize = 4;
 
 PackedRecord pack(const RadianceRecord& record) {
   const ValidRegion& r = record.region;
@@ -22,7 +22,6 @@ PackedRecord pack(const RadianceRecord& record) {
   p.cos_max_deviation = static_cast<float>(r.cos_max_deviation);
   p.inverse_deviation = static_cast<float>(1.0 / std::max(1.0 - r.cos_max_deviation, 1e-12));
   p.reach = std::max(p.radius1, p.radius2);
-  p.region = record.site.point.region;
   // Derivatives per unit of (a, b), the offsets divided by the radii: they have radiance's unit.
   const auto in_frame = [&](const Vec3& axis, double radius) -> Vec2 {
     return Vec2(axis.dot(record.site.frame.tangent), axis.dot(record.site.frame.bitangent)) * radius;
@@ -40,19 +39,7 @@ PackedRecord pack(const RadianceRecord& record) {
   return p;
 }
 
-/// Bounding box of an ellipsoid with the given half axes.
-Eigen::AlignedBox3f bounds(const ValidRegion& r, double support) {
-  const Vec3 half =
-      support * ((r.axis1 * r.radius1).array().square() + (r.axis2 * r.radius2).array().square() +
-                 (r.normal * r.normal_radius).array().square())
-                    .sqrt()
-                    .matrix();
-  return {(r.center - half).cast<float>(), (r.center + half).cast<float>()};
-}
-
-}  // namespace
-
-Coverage16 coverage(const PackedRecord& record, const V3x16& x, const V3x16& n, I16 region, float support) {
+Coverage16 coverage(const PackedRecord& record, const V3x16& x, const V3x16& n, I16 applies, float support) {
   const V3x16 d = x - splat3(record.center);
   Coverage16 c;
   c.a = dot(d, splat3(record.scaled1));
@@ -62,8 +49,7 @@ Coverage16 coverage(const PackedRecord& record, const V3x16& x, const V3x16& n, 
   const F16 kt2 = (c.a * c.a + c.b * c.b + along_normal * along_normal) * (1.0f / (support * support));
   const F16 k = sqrt(kt2 + max(1.0f - kr, 0.0f) * record.inverse_deviation);
   const F16 kr2 = kr * kr, kr4 = kr2 * kr2, kr8 = kr4 * kr4;
-  const I16 applies = (region == record.region) & (kr >= record.cos_max_deviation);
-  c.weight = select(applies, max(1.0f - k * kr, 0.0f) * (kr8 * kr8), F16{});
+  c.weight = select(applies & (kr >= record.cos_max_deviation), max(1.0f - k * kr, 0.0f) * (kr8 * kr8), F16{});
   return c;
 }
 
@@ -78,63 +64,46 @@ V3x16 extrapolate(const PackedRecord& record, const Coverage16& c, int order) {
   return {channel(0), channel(1), channel(2)};
 }
 
-RadianceCache::RadianceCache(std::vector<RadianceRecord> records, double max_support)
-    : records_(std::move(records)) {
+RadianceCache::RadianceCache(std::shared_ptr<const SceneCharts> charts, std::vector<RadianceRecord> records,
+                             double max_support)
+    : charts_(std::move(charts)), records_(std::move(records)) {
+  std::vector<SurfaceReach> reaches(records_.size());
+  parallel_for(records_.size(), [&](std::size_t i) {
+    reaches[i] = reach_over_surface(*charts_, records_[i].site.point, records_[i].region, max_support);
+  });
   packed_.reserve(records_.size());
-  std::vector<Eigen::AlignedBox3f> boxes;
-  for (const RadianceRecord& record : records_) {
-    packed_.push_back(pack(record));
-    boxes.push_back(bounds(record.region, max_support / record.region.cos_max_deviation));
-  }
-  order_.resize(records_.size());
-  std::iota(order_.begin(), order_.end(), 0u);
-  if (!order_.empty()) build(0, static_cast<std::uint32_t>(order_.size()), boxes);
-}
-
-std::uint32_t RadianceCache::build(std::uint32_t begin, std::uint32_t end,
-                                   const std::vector<Eigen::AlignedBox3f>& boxes) {
-  Eigen::AlignedBox3f box, centers;
-  for (std::uint32_t i = begin; i < end; ++i) {
-    box.extend(boxes[order_[i]]);
-    centers.extend(boxes[order_[i]].center());
-  }
-  const auto node = static_cast<std::uint32_t>(nodes_.size());
-  nodes_.push_back({box, begin, end - begin, 0});
-  if (end - begin <= kLeafSize) return node;
-  int axis = 0;
-  centers.sizes().maxCoeff(&axis);
-  const std::uint32_t middle = (begin + end) / 2;
-  std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                   [&](std::uint32_t a, std::uint32_t b) {
-                     const float ca = boxes[a].center()[axis], cb = boxes[b].center()[axis];
-                     return ca != cb ? ca < cb : a < b;
-                   });
-  nodes_[node].count = 0;
-  build(begin, middle, boxes);
-  const std::uint32_t right = build(middle, end, boxes);
-  nodes_[node].right = right;
-  return node;
-}
-
-void RadianceCache::find(const Box3& box, std::vector<std::uint32_t>& result) const {
-  if (nodes_.empty()) return;
-  const Eigen::AlignedBox3f query = box.cast<float>();
-  const std::size_t first = result.size();
-  std::uint32_t stack[64];
-  int depth = 0;
-  stack[depth++] = 0;
-  while (depth > 0) {
-    const std::uint32_t index = stack[--depth];
-    const Node& node = nodes_[index];
-    if (!node.box.intersects(query)) continue;
-    if (node.count > 0) {
-      result.insert(result.end(), order_.begin() + node.begin, order_.begin() + node.begin + node.count);
-    } else {
-      stack[depth++] = node.right;
-      stack[depth++] = index + 1;
+  std::vector<PatchFootprint> boxes;
+  for (std::uint32_t i = 0; i < records_.size(); ++i) {
+    packed_.push_back(pack(records_[i]));
+    const SurfaceReach& reach = reaches[i];
+    VRC_CHECK(slots_.size() + reach.slots.size() < kInvalidIndex, "the records reach too many triangles");
+    for (const PatchBox& box : reach.boxes) {
+      boxes.push_back({static_cast<std::uint32_t>(footprints_.size()), box.patch, box.low, box.high});
+      Footprint f;
+      f.record = i;
+      f.patch = static_cast<std::int32_t>(box.patch);
+      // Points are located in single precision.
+      const double slack = 1e-6 * (box.low.cwiseAbs().maxCoeff() + box.high.cwiseAbs().maxCoeff());
+      for (int axis = 0; axis < 2; ++axis) {
+        f.low[axis] = static_cast<float>(box.low[axis] - slack);
+        f.high[axis] = static_cast<float>(box.high[axis] + slack);
+      }
+      f.first_slot = static_cast<std::uint32_t>(slots_.size());
+      f.slot_mask = reach.slots.empty() ? 0 : static_cast<std::uint32_t>(reach.slots.size() - 1);
+      footprints_.push_back(f);
     }
+    slots_.insert(slots_.end(), reach.slots.begin(), reach.slots.end());
   }
-  std::sort(result.begin() + static_cast<std::ptrdiff_t>(first), result.end());
+  index_ = std::make_unique<const RegionIndex>(charts_->patch_count(), boxes);
+}
+
+I16 RadianceCache::on_reached_triangle(const Footprint& f, I16 active, I16 triangle) const {
+  const std::uint32_t* slots = slots_.data() + f.first_slot;
+  I16 result{};
+  for_each_distinct(active, triangle, [&](I16 mask, std::size_t id) {
+    if (in_hash_slots(slots, f.slot_mask, static_cast<std::uint32_t>(id))) result |= mask;
+  });
+  return result;
 }
 
 }  // namespace vrc

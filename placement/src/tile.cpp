@@ -35,31 +35,33 @@ Tile trace_tile(const Scene& scene, const FilmSampler& film, const TileLayout& l
   return tile;
 }
 
-TileRecords::TileRecords(const RadianceCache& cache, const Tile& tile) : cache_(cache) {
-  // One box for each smooth region that the tile sees: regions at different depths stay apart.
-  std::map<std::int32_t, Box3> boxes;
+TileRecords::TileRecords(const RadianceCache& cache, const Tile& tile) : cache_(cache), tile_(tile) {
+  std::map<std::uint32_t, Eigen::AlignedBox2f> boxes;  // by patch
+  at_.reserve(tile.points.size());
   for (const SurfacePoint16& p : tile.points) {
-    for (std::uint32_t left = mask_bits(p.scatters); left != 0; left &= left - 1) {
-      const int i = std::countr_zero(left);
-      boxes[p.region[i]].extend(Vec3(p.position.x[i], p.position.y[i], p.position.z[i]));
-    }
+    at_.push_back(cache.charts().locate(p.scatters, p.triangle, p.u, p.v));
+    const ChartPoint16& at = at_.back();
+    for_each_distinct(at.patch >= 0, at.patch, [&](I16 mask, std::size_t patch) {
+      const float infinity = std::numeric_limits<float>::infinity();
+      const auto low = [&](F16 x) { return lane_min(select(mask, x, splat(infinity))); };
+      const auto high = [&](F16 x) { return lane_max(select(mask, x, splat(-infinity))); };
+      boxes[static_cast<std::uint32_t>(patch)].extend(
+          Eigen::AlignedBox2f(Vec2f(low(at.u), low(at.v)), Vec2f(high(at.u), high(at.v))));
+    });
   }
-  for (const auto& [region, box] : boxes) {
-    const std::size_t first = candidates_.size();
-    cache.find(box, candidates_);
-    const auto begin = candidates_.begin() + static_cast<std::ptrdiff_t>(first);
-    candidates_.erase(
-        std::remove_if(begin, candidates_.end(),
-                       [&, id = region](std::uint32_t i) { return cache.packed()[i].region != id; }),
-        candidates_.end());
+  for (const auto& [patch, box] : boxes) {
+    // Points are located in single precision.
+    const Vec2f slack = Vec2f::Constant(1e-6f * (box.min().cwiseAbs() + box.max().cwiseAbs()).maxCoeff());
+    cache.find(patch, (box.min() - slack).cast<double>(), (box.max() + slack).cast<double>(), candidates_);
   }
+  std::ranges::sort(candidates_);
 }
 
 bool TileRecords::may_reach(const PackedRecord& record, const SurfacePoint16& p, float support) {
   const V3x16 d = p.position - splat3(record.center);
   // The weight of eq. 14 is positive up to k = 1 / k_r.
   const float reach = record.reach * support / record.cos_max_deviation;
-  return any((dot(d, d) < reach * reach) & (p.region == record.region));
+  return any((dot(d, d) < reach * reach) & p.scatters);
 }
 
 }  // namespace vrc

@@ -11,9 +11,9 @@ struct WeightedSum {
   F16 weight{};
 };
 
-WeightedSum blend_records(const TileRecords& records, const SurfacePoint16& p, int order, double support) {
+WeightedSum blend_records(const TileRecords& records, std::size_t packet, int order, double support) {
   WeightedSum sum;
-  records.for_each(p, static_cast<float>(support), [&](const PackedRecord& record, const Coverage16& c) {
+  records.for_each(packet, static_cast<float>(support), [&](const PackedRecord& record, const Coverage16& c) {
     // Limited derivatives hold up to the ordinary support: farther out the value there is taken.
     const F16 distance = sqrt(c.a * c.a + c.b * c.b);
     const F16 inward = min(static_cast<float>(kBlendSupport) / max(distance, 1e-20f), 1.0f);
@@ -26,13 +26,14 @@ WeightedSum blend_records(const TileRecords& records, const SurfacePoint16& p, i
 
 }  // namespace
 
-V3x16 interpolate(const TileRecords& records, const SurfacePoint16& p, int taylor_order) {
+V3x16 interpolate(const TileRecords& records, std::size_t packet, int taylor_order) {
+  const SurfacePoint16& p = records.tile().points[packet];
   if (!any(p.scatters)) return V3x16{};
-  const WeightedSum near = blend_records(records, p, taylor_order, kBlendSupport);
+  const WeightedSum near = blend_records(records, packet, taylor_order, kBlendSupport);
   V3x16 result = near.radiance * (1.0f / max(near.weight, 1e-20f));
   const I16 missed = p.scatters & ~(near.weight > 0.0f);
   if (any(missed)) {
-    const WeightedSum wide = blend_records(records, p, taylor_order, kWideSupport);
+    const WeightedSum wide = blend_records(records, packet, taylor_order, kWideSupport);
     result = select(missed, wide.radiance * (1.0f / max(wide.weight, 1e-20f)), result);
   }
   return result;

@@ -94,7 +94,7 @@ class Renderer {
     result.stats.phases = std::move(placed.phases);
     result.stats.records = placed.records.size();
     result.stats.unfinished = placed.unfinished;
-    cache_.emplace(std::move(placed.records), kWideSupport);
+    cache_.emplace(std::move(placed.charts), std::move(placed.records), kWideSupport);
   }
 
   void render_tile(std::size_t index, Image& image, RayCounts& counts) const {
@@ -106,8 +106,7 @@ class Renderer {
       for (int y = tile.y0; y < tile.y1; ++y) {
         for (int x = tile.x0; x < tile.x1; ++x) {
           for (int k = 0; k < range.count && !control_.stopped(); ++k, ++packet) {
-            shade(tile.packets[packet], tile.points[packet], records ? &*records : nullptr, image.pixel(x, y),
-                  counts);
+            shade(tile, packet, records ? &*records : nullptr, image.pixel(x, y), counts);
           }
         }
       }
@@ -118,8 +117,10 @@ class Renderer {
     }
   }
 
-  void shade(const CameraPacket& packet, const SurfacePoint16& p, const TileRecords* records, float* pixel,
+  void shade(const Tile& tile, std::size_t index, const TileRecords* records, float* pixel,
              RayCounts& counts) const {
+    const CameraPacket& packet = tile.packets[index];
+    const SurfacePoint16& p = tile.points[index];
     if (options_.method == Method::kPath) {
       const PathOptions path = {options_.bounces, wants_indirect_, wants_direct_};
       for (int i = 0; i < light_samples_; ++i) {
@@ -137,7 +138,8 @@ class Renderer {
         }
       }
       if (records != nullptr)
-        add_to(pixel + layers_.indirect, p.scatters, interpolate(*records, p, options_.cache.taylor_order));
+        add_to(pixel + layers_.indirect, p.scatters,
+               interpolate(*records, index, options_.cache.taylor_order));
     }
     if (options_.aovs) add_aovs(packet, p, pixel);
   }

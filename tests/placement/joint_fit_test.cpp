@@ -15,6 +15,42 @@ namespace {
 constexpr double kSpacing = 0.03, kRadius = 0.04;
 constexpr int kSide = 14;
 
+/// The square [0, 1]^2 at z = 0, a second one that faces up close below it.
+struct Plane {
+  Scene scene{describe()};
+  SceneCharts charts{scene};
+
+  static SceneDescription describe() {
+    SceneDescription description;
+    const auto square = [&](const Vec3& offset, const Vec3& edge2) {
+      ShapeDescription shape;
+      shape.soup.positions = {offset, offset + Vec3::UnitX(), offset + Vec3::UnitX() + edge2, offset + edge2};
+      shape.soup.add_face(std::vector<std::uint32_t>{0, 1, 2, 3});
+      shape.materials = {0};
+      description.shapes.push_back(shape);
+    };
+    square(Vec3::Zero(), Vec3::UnitY());
+    square(Vec3(0, 0, -1e-4), Vec3::UnitY());
+    description.materials.push_back({"matte", {LambertLobe{}}, true});
+    description.camera.origin = Vec3(0.5, 0.5, 3.0);
+    return description;
+  }
+  /// On the square `shape`; its triangles are (0, 0) (1, 0) (1, 1) and (0, 0) (1, 1) (0, 1).
+  [[nodiscard]] SurfacePoint at(double x, double y, std::uint32_t shape = 0) const {
+    const bool lower = y <= x;
+    const double u = lower ? x - y : x, v = lower ? y : y - x;
+    const SurfacePoint p = scene.surface_point(2 * shape + (lower ? 0 : 1), static_cast<float>(u),
+                                               static_cast<float>(v), scene.camera().origin);
+    EXPECT_LT((p.position.head<2>() - Vec2(x, y)).norm(), 1e-6);
+    return p;
+  }
+};
+
+const Plane& plane() {
+  static const Plane instance;
+  return instance;
+}
+
 /// A quadratic field on the xy plane, one for each channel, bright enough that no limit acts.
 Jet2 field(std::size_t channel, double x, double y) {
   const double k = 1.0 + 0.3 * static_cast<double>(channel);
@@ -36,8 +72,7 @@ std::vector<RadianceRecord> lattice(double value_deviation, double gradient_devi
     RadianceRecord record;
     const Vec3 p(kSpacing * (i % kSide + 0.5 * bits.uniform()), kSpacing * (i / kSide + 0.5 * bits.uniform()),
                  0.0);
-    record.site.point.position = p;
-    record.site.point.normal = Vec3::UnitZ();
+    record.site.point = plane().at(p.x(), p.y());
     record.site.frame = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
     record.site.pixel_length = 0.002;
     record.estimate.nearest_hit = 1e9;
@@ -91,7 +126,7 @@ TEST(JointFit, LeavesNoiselessRecordsOfAQuadraticFieldUnchanged) {
   const CacheOptions options;
   std::vector<RadianceRecord> records = lattice(0, 0, 0);
   const std::vector<RadianceRecord> before = records;
-  fit_jointly(records, rule_with(options));
+  fit_jointly(plane().charts, records, rule_with(options));
   for (std::size_t i = 0; i < records.size(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
       const auto expected = test::entries(before[i].radiance[c]),
@@ -112,7 +147,7 @@ TEST(JointFit, LowersTheErrorOfNoisyRecords) {
        {Noise{0.1, 0.5, 5.0, 1.5}, Noise{0.01, 3.0, 100.0, 2.0}, Noise{0.1, 5.0, 300.0, 1.5}}) {
     std::vector<RadianceRecord> records = lattice(n.value, n.gradient, n.hessian);
     const double before = rms_error(records);
-    fit_jointly(records, rule_with(options));
+    fit_jointly(plane().charts, records, rule_with(options));
     EXPECT_LT(rms_error(records), before / n.least_gain) << n.value << ' ' << n.gradient << ' ' << n.hessian;
   }
 }
@@ -123,15 +158,16 @@ TEST(JointFit, TakesNothingFromOtherSurfaces) {
   std::vector<RadianceRecord> with_strangers = records;
   for (RadianceRecord stranger : records) {
     for (Jet2& j : stranger.estimate.radiance) j.value += 100.0;
-    stranger.site.point.region = 1;
+    const SurfacePoint own = stranger.site.point;
+    stranger.site.point = plane().at(own.position.x(), own.position.y(), 1);
     with_strangers.push_back(stranger);
-    stranger.site.point.region = 0;
+    stranger.site.point = own;
     stranger.region.normal = Vec3(1, 0, 1).normalized();
     with_strangers.push_back(stranger);
   }
   const std::size_t own = records.size();
-  fit_jointly(records, rule_with(options));
-  fit_jointly(with_strangers, rule_with(options));
+  fit_jointly(plane().charts, records, rule_with(options));
+  fit_jointly(plane().charts, with_strangers, rule_with(options));
   for (std::size_t i = 0; i < own; ++i) {
     EXPECT_EQ(test::entries(records[i].radiance[0]), test::entries(with_strangers[i].radiance[0]));
   }
@@ -141,9 +177,9 @@ TEST(JointFit, IsTheSameAtAnyThreadCount) {
   const CacheOptions options;
   std::vector<RadianceRecord> one = lattice(0.1, 1.0, 20.0), two = one;
   set_thread_count(1);
-  fit_jointly(one, rule_with(options));
+  fit_jointly(plane().charts, one, rule_with(options));
   set_thread_count(2);
-  fit_jointly(two, rule_with(options));
+  fit_jointly(plane().charts, two, rule_with(options));
   for (std::size_t i = 0; i < one.size(); ++i) {
     EXPECT_EQ(test::entries(one[i].radiance[2]), test::entries(two[i].radiance[2]));
   }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <cmath>
 
@@ -26,12 +27,15 @@ struct Picture {
   }
 };
 
-CacheOptions cheap(int records = 0) {
+CacheOptions cheap(int records = 0, Sampler sampler = Sampler::kImage) {
   CacheOptions options;
   options.gather_rays = 1024;
   options.records = records;
+  options.sampler = sampler;
   return options;
 }
+
+constexpr std::array kSamplers = {Sampler::kImage, Sampler::kSurface};
 
 /// Samples that lie in no region, however wide they are used.
 std::uint64_t uncovered_samples(const Picture& picture, const RadianceCache& cache) {
@@ -41,9 +45,9 @@ std::uint64_t uncovered_samples(const Picture& picture, const RadianceCache& cac
   for (std::size_t i = 0; i < layout.count(); ++i) {
     const Tile tile = trace_tile(picture.scene, picture.film, layout, i, {0, 1}, counts);
     const TileRecords records(cache, tile);
-    for (const SurfacePoint16& p : tile.points) {
-      I16 open = p.scatters;
-      records.for_each(p, static_cast<float>(kWideSupport),
+    for (std::size_t packet = 0; packet < tile.points.size(); ++packet) {
+      I16 open = tile.points[packet].scatters;
+      records.for_each(packet, static_cast<float>(kWideSupport),
                        [&](const PackedRecord&, const Coverage16& c) { open &= ~(c.weight > 0.0f); });
       uncovered += lane_count(open);
     }
@@ -52,16 +56,16 @@ std::uint64_t uncovered_samples(const Picture& picture, const RadianceCache& cac
 }
 
 TEST(PlaceRecords, ReachesEverySampleOfThePicture) {
-  for (const char* name : {"half_box.xml", "cornell_glossy.xml"}) {
-    for (const double error : {0.02, 0.2}) {
-      const Picture picture(name, 64);
-      CacheOptions options = cheap();
-      options.error = error;
+  for (const char* name : {"half_box.xml", "cornell_glossy.xml", "curved_room.xml"}) {
+    const Picture picture(name, 64);
+    for (const Sampler sampler : kSamplers) {
+      CacheOptions options = cheap(0, sampler);
+      options.error = sampler == Sampler::kImage ? 0.02 : 0.2;
       PlacementResult placed = picture.place(options);
       EXPECT_FALSE(placed.unfinished);
       EXPECT_GT(placed.records.size(), 20u);
-      const RadianceCache cache(std::move(placed.records), kWideSupport);
-      EXPECT_EQ(uncovered_samples(picture, cache), 0u) << name << ", error " << error;
+      const RadianceCache cache(placed.charts, std::move(placed.records), kWideSupport);
+      EXPECT_EQ(uncovered_samples(picture, cache), 0u) << name << ", sampler " << static_cast<int>(sampler);
     }
   }
 }
@@ -69,9 +73,11 @@ TEST(PlaceRecords, ReachesEverySampleOfThePicture) {
 TEST(PlaceRecords, MakesTheWantedNumberOfRecords) {
   for (const char* name : {"half_box.xml", "cornell_glossy.xml"}) {
     const Picture picture(name, 128);
-    for (const int wanted : {300, 1000}) {
-      const auto made = static_cast<double>(picture.place(cheap(wanted)).records.size());
-      EXPECT_NEAR(made, wanted, 0.05 * wanted) << name;
+    for (const Sampler sampler : kSamplers) {
+      for (const int wanted : {300, 1000}) {
+        const auto made = static_cast<double>(picture.place(cheap(wanted, sampler)).records.size());
+        EXPECT_NEAR(made, wanted, 0.05 * wanted) << name << ", sampler " << static_cast<int>(sampler);
+      }
     }
   }
 }
@@ -105,17 +111,45 @@ TEST(PlaceRecords, FillsTheirFieldsWithFiniteNumbers) {
 }
 
 TEST(PlaceRecords, IsTheSameAtAnyThreadCount) {
-  const Picture picture("cornell_glossy.xml", 64);
-  set_thread_count(1);
-  const PlacementResult one = picture.place(cheap());
-  set_thread_count(2);
-  const PlacementResult two = picture.place(cheap());
-  ASSERT_EQ(one.records.size(), two.records.size());
-  for (std::size_t i = 0; i < one.records.size(); ++i) {
-    EXPECT_EQ(one.records[i].site.key, two.records[i].site.key);
-    EXPECT_EQ(one.records[i].region.radius1, two.records[i].region.radius1);
-    EXPECT_EQ(test::entries(one.records[i].radiance[0]), test::entries(two.records[i].radiance[0]));
+  const Picture picture("curved_room.xml", 64);
+  for (const Sampler sampler : kSamplers) {
+    set_thread_count(1);
+    const PlacementResult one = picture.place(cheap(0, sampler));
+    set_thread_count(2);
+    const PlacementResult two = picture.place(cheap(0, sampler));
+    ASSERT_EQ(one.records.size(), two.records.size());
+    for (std::size_t i = 0; i < one.records.size(); ++i) {
+      EXPECT_EQ(one.records[i].site.key, two.records[i].site.key);
+      EXPECT_EQ(one.records[i].region.radius1, two.records[i].region.radius1);
+      EXPECT_EQ(one.records[i].curvature.deviation, two.records[i].curvature.deviation);
+      EXPECT_EQ(test::entries(one.records[i].radiance[0]), test::entries(two.records[i].radiance[0]));
+    }
   }
+}
+
+/// Distances of the records to their nearest neighbours on the same surface, in units of their own radii.
+std::vector<double> neighbour_distances(std::span<const RadianceRecord> records) {
+  std::vector<double> distances;
+  for (const RadianceRecord& a : records) {
+    double nearest = 1e9;
+    for (const RadianceRecord& b : records) {
+      if (&a == &b || a.site.point.region != b.site.point.region) continue;
+      nearest = std::min(nearest, joint_distance(a.region, b.region.center, b.region.normal));
+    }
+    distances.push_back(nearest);
+  }
+  std::ranges::sort(distances);
+  return distances;
+}
+
+TEST(PlaceRecords, SurfaceSamplerKeepsNeighboursApartInTheirOwnMetric) {
+  const Picture picture("glossy_pair.xml", 128);
+  const std::vector<double> image = neighbour_distances(picture.place(cheap(0)).records);
+  const std::vector<double> surface =
+      neighbour_distances(picture.place(cheap(0, Sampler::kSurface)).records);
+  EXPECT_GT(surface[surface.size() / 4], image[image.size() / 4]);
+  EXPECT_GT(surface[surface.size() / 10], 0.5);
+  EXPECT_LT(surface.size(), image.size());
 }
 
 TEST(PlaceRecords, StopsWhenItIsAskedTo) {

@@ -19,7 +19,6 @@ RadianceRecord random_record(test::SeededBits& bits) {
   RadianceRecord record;
   const Vec3 n = random_vector(bits).normalized();
   record.site.point.normal = n;
-  record.site.point.region = static_cast<std::int32_t>(bits.below(3));
   record.site.frame = Frame::around(n);
   ValidRegion& r = record.region;
   r.center = random_vector(bits);
@@ -72,15 +71,13 @@ struct Points16 {
 };
 
 TEST(Coverage16, AgreesWithTheWeightInDoublePrecision) {
-  const RadianceCache cache(random_records(200), 1.4);
   test::SeededBits bits(7);
   int positive = 0;
-  for (std::size_t k = 0; k < cache.records().size(); ++k) {
-    const RadianceRecord& record = cache.records()[k];
+  for (const RadianceRecord& record : random_records(200)) {
+    const PackedRecord packed = pack(record);
     const Points16 points(record, bits);
     for (const double support : {1.0, 1.4}) {
-      const Coverage16 c = coverage(cache.packed()[k], points.x, points.n, splat(record.site.point.region),
-                                    static_cast<float>(support));
+      const Coverage16 c = coverage(packed, points.x, points.n, splat(-1), static_cast<float>(support));
       for (std::size_t i = 0; i < kLanes; ++i) {
         const double expected = weight(record.region, points.position[i], points.normal[i], support);
         const double kr = record.region.normal.dot(points.normal[i]);
@@ -89,24 +86,21 @@ TEST(Coverage16, AgreesWithTheWeightInDoublePrecision) {
         positive += expected > 0.0;
       }
     }
-    const Coverage16 other =
-        coverage(cache.packed()[k], points.x, points.n, splat(record.site.point.region + 1), 1.4f);
-    EXPECT_FALSE(any(other.weight > 0.0f)) << "a record of another smooth region";
+    const Coverage16 other = coverage(packed, points.x, points.n, splat(0), 1.4f);
+    EXPECT_FALSE(any(other.weight > 0.0f)) << "where the record does not apply";
   }
   EXPECT_GT(positive, 1000);
 }
 
 TEST(Extrapolate, IsTheTaylorPolynomialCutOffAtZero) {
-  const RadianceCache cache(random_records(200), 1.4);
   test::SeededBits bits(8);
   int cut_off = 0;
-  for (std::size_t k = 0; k < cache.records().size(); ++k) {
-    const RadianceRecord& record = cache.records()[k];
+  for (const RadianceRecord& record : random_records(200)) {
+    const PackedRecord packed = pack(record);
     const Points16 points(record, bits);
-    const Coverage16 c =
-        coverage(cache.packed()[k], points.x, points.n, splat(record.site.point.region), 1.4f);
+    const Coverage16 c = coverage(packed, points.x, points.n, splat(-1), 1.4f);
     for (int order = 0; order <= 2; ++order) {
-      const V3x16 value = extrapolate(cache.packed()[k], c, order);
+      const V3x16 value = extrapolate(packed, c, order);
       for (std::size_t i = 0; i < kLanes; ++i) {
         const Vec3 offset = points.position[i] - record.region.center;
         const Vec2 d(offset.dot(record.site.frame.tangent), offset.dot(record.site.frame.bitangent));
@@ -120,44 +114,6 @@ TEST(Extrapolate, IsTheTaylorPolynomialCutOffAtZero) {
     }
   }
   EXPECT_GT(cut_off, 100);
-}
-
-/// Box of the ellipsoid with half axes a, b, c: its half size along an axis is the norm of the
-/// three components there.
-bool may_meet(const ValidRegion& r, double support, const Box3& box) {
-  Vec3 half;
-  for (int i = 0; i < 3; ++i) {
-    half[i] =
-        support * std::hypot(r.radius1 * r.axis1[i], r.radius2 * r.axis2[i], r.normal_radius * r.normal[i]);
-  }
-  return Box3(r.center - half, r.center + half).intersects(box);
-}
-
-TEST(RadianceCache, FindsEveryRecordThatABruteForceSearchFinds) {
-  for (const std::size_t count : {0u, 1u, 4u, 5u, 700u}) {
-    const RadianceCache cache(random_records(count), 1.7);
-    test::SeededBits bits(9);
-    std::size_t expected_total = 0, found_total = 0;
-    for (int query = 0; query < 200; ++query) {
-      const Vec3 center = 1.2 * random_vector(bits), half = 0.1 * (random_vector(bits) + Vec3::Ones());
-      const Box3 box(center - half, center + half);
-      std::vector<std::uint32_t> found = {77777u};  // What was there stays in front.
-      cache.find(box, found);
-      ASSERT_EQ(found.front(), 77777u);
-      found.erase(found.begin());
-      EXPECT_TRUE(std::ranges::is_sorted(found));
-      EXPECT_EQ(std::ranges::adjacent_find(found), found.end());
-      for (std::uint32_t i = 0; i < count; ++i) {
-        if (!may_meet(cache.records()[i].region, 1.7, box)) continue;
-        ++expected_total;
-        EXPECT_TRUE(std::ranges::binary_search(found, i)) << "record " << i << " of " << count;
-      }
-      found_total += found.size();
-    }
-    // Leaves hold four records, so that more may be found, but not many more.
-    EXPECT_LE(found_total, 8 * expected_total + 200 * 4);
-    EXPECT_LT(found_total, 200 * (5 + count / 10));
-  }
 }
 
 }  // namespace

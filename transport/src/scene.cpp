@@ -133,6 +133,17 @@ void Scene::add_shape(const ShapeDescription& shape, std::vector<EmissiveTriangl
 
 Scene::~Scene() = default;
 
+const SurfaceMesh& Scene::surface_mesh(std::size_t surface) const { return surfaces_[surface]->mesh; }
+
+std::uint32_t Scene::first_triangle(std::size_t surface) const { return surfaces_[surface]->first_triangle; }
+
+std::size_t Scene::surface_of(std::uint32_t triangle) const {
+  // Of shapes without faces, which begin where the next one does, the last is found.
+  const auto next =
+      std::ranges::upper_bound(surfaces_, triangle, {}, [](const auto& s) { return s->first_triangle; });
+  return static_cast<std::size_t>(next - surfaces_.begin()) - 1;
+}
+
 SurfacePoint16 Scene::intersect(I16 active, const Ray16& ray, RayTracer::Coherence coherence) const {
   const Hit16 hit = tracer_->intersect(active, ray, coherence);
   SurfacePoint16 p;
@@ -182,9 +193,7 @@ Ray16 Scene::shadow_ray(const SurfacePoint16& p, const LightSample16& light) con
 }
 
 SurfacePoint Scene::surface_point(std::uint32_t triangle, float u, float v, const Vec3& viewer) const {
-  const auto next =
-      std::ranges::upper_bound(surfaces_, triangle, {}, [](const auto& s) { return s->first_triangle; });
-  const Surface& surface = **std::prev(next);
+  const Surface& surface = *surfaces_[surface_of(triangle)];
   const std::size_t face = triangle - surface.first_triangle;
   const auto c = surface.mesh.positions(face);
   const Vec3 b(1.0 - u - v, u, v);

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "core/frame.h"
@@ -38,6 +39,9 @@ struct SurfaceWalk {
 
 struct SurfaceWalkOptions {
   std::size_t max_faces = 1 << 16;
+  /// Faces whose shading normals all turn away from the ellipse's by more are not entered. [radians]
+  double max_deviation = std::numeric_limits<double>::infinity();
+  bool measure_deviation = true;  ///< false: the walk's `normal_deviation` stays 0, and costs nothing.
 };
 
 /// Finds the faces that an ellipse reaches along the surface: neighbours are unfolded into its tangent

@@ -10,6 +10,11 @@ enum class PlacementMetric {
   kUniform,  ///< One radius everywhere (for comparison).
 };
 
+enum class Sampler {
+  kImage,    ///< Pixel centres in coarse-to-fine order.
+  kSurface,  ///< Neighbours around the ellipses of records, over the charts of the surfaces.
+};
+
 /// How records are made. The defaults need no tuning on ordinary scenes.
 struct CacheOptions {
   double error = 0.03;        ///< Accepted relative error of the picture; smaller makes more records.
@@ -17,6 +22,7 @@ struct CacheOptions {
   int gather_rays = 0;        ///< Rays of a record, rounded up to a power of two; 0 chooses by the noise.
   int taylor_order = 2;       ///< 0, 1 or 2: the order of the interpolant of eq. 13.
   bool glossy_glossy = true;  ///< Derivative of the incident radiance reflected by glossy surfaces.
+  Sampler sampler = Sampler::kImage;
   PlacementMetric metric = PlacementMetric::kHessian;
   double max_normal_deviation = 0.15;  ///< theta_max of eq. 13. [rad]
   double gradient_share =

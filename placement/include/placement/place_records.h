@@ -16,6 +16,7 @@ struct PlacementView {
 };
 
 struct PlacementResult {
+  std::shared_ptr<const SceneCharts> charts;
   std::vector<RadianceRecord> records;
   RayCounts counts;
   std::vector<PhaseTime> phases;
@@ -30,9 +31,9 @@ inline constexpr double kBlendSupport = 1.4;
 /// Points that nothing covers are reached by regions widened so far before they get records.
 inline constexpr double kWideSupport = 3.0;
 
-/// Image-space placement in rounds: pixels in coarse-to-fine order that no region covers yet become
-/// records, gathered in parallel against the frozen cache and admitted in order, until every pixel
-/// and then every sample is covered. Deterministic at any thread count.
+/// Places records in rounds: points that no region covers yet become records, gathered in parallel
+/// against the frozen cache and admitted in order, until every visible point and then every sample is
+/// covered. `CacheOptions::sampler` says which points are taken next. Deterministic at any thread count.
 [[nodiscard]] PlacementResult place_records(const Scene& scene, const PlacementView& view,
                                             const CacheOptions& options, int bounces, std::uint64_t seed,
                                             const RunControl& control);

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/simd.h"
+#include "geometry/region_index.h"
 #include "placement/record.h"
+#include "placement/scene_charts.h"
 
 namespace vrc {
 
@@ -18,9 +20,10 @@ struct PackedRecord {
   float cos_max_deviation;
   float inverse_deviation;  ///< 1 / (1 - cos_max_deviation)
   float reach;              ///< Largest radius.
-  std::int32_t region;      ///< Smooth region of the surface.
   float value[3], g1[3], g2[3], h11[3], h12[3], h22[3];
 };
+
+[[nodiscard]] PackedRecord pack(const RadianceRecord& record);
 
 /// Position of sixteen points relative to a record: offsets in units of the radii, and its weight.
 struct Coverage16 {
@@ -28,38 +31,58 @@ struct Coverage16 {
   F16 weight;  ///< As `weight(ValidRegion)`, 0 where the record does not apply.
 };
 
-/// [Zhao eq. 14-15] with the joint distance, for the points of smooth region `region`, the ellipsoid
+/// [Zhao eq. 14-15] with the joint distance, in the lanes where the record applies, the ellipsoid
 /// widened `support` times.
-[[nodiscard]] Coverage16 coverage(const PackedRecord& record, const V3x16& x, const V3x16& n, I16 region,
+[[nodiscard]] Coverage16 coverage(const PackedRecord& record, const V3x16& x, const V3x16& n, I16 applies,
                                   float support);
 
 /// The Taylor polynomial of [Zhao eq. 13].
 [[nodiscard]] V3x16 extrapolate(const PackedRecord& record, const Coverage16& c, int order);
 
-/// Records with a bounding-volume tree over their widened ellipsoids. Immutable.
+/// Records registered in all charts that they reach over the surface, and looked up there. Immutable.
+/// The charts and their scene must outlive look-ups of points.
 class RadianceCache {
  public:
-  /// Regions are used up to `max_support` times their radii.
-  RadianceCache(std::vector<RadianceRecord> records, double max_support);
+  /// A record in one chart.
+  struct Footprint {
+    std::uint32_t record = 0;
+    std::int32_t patch = 0;
+    float low[2], high[2];         ///< Box in the chart's (u, v).
+    std::uint32_t first_slot = 0;  ///< Hash slots of the triangles that the record reaches;
+    std::uint32_t slot_mask = 0;   ///< 0: all of the patch.
+  };
 
+  /// Regions are used up to `max_support` times their radii.
+  RadianceCache(std::shared_ptr<const SceneCharts> charts, std::vector<RadianceRecord> records,
+                double max_support);
+
+  [[nodiscard]] const SceneCharts& charts() const { return *charts_; }
   [[nodiscard]] std::span<const RadianceRecord> records() const { return records_; }
   [[nodiscard]] std::span<const PackedRecord> packed() const { return packed_; }
+  /// By records, and for one record by patches.
+  [[nodiscard]] std::span<const Footprint> footprints() const { return footprints_; }
 
-  /// Appends the indices of all records whose widened ellipsoids may meet the box, in rising order.
-  void find(const Box3& box, std::vector<std::uint32_t>& result) const;
+  /// Appends the indices of all footprints in a patch that meet a box there, in rising order.
+  void find(std::uint32_t patch, const Vec2& low, const Vec2& high, std::vector<std::uint32_t>& result) const {
+    index_->find(patch, low, high, result);
+  }
+
+  /// Lanes whose point, at `at` in the charts and on `triangle`, the record of a footprint reaches.
+  [[nodiscard]] I16 reaches(const Footprint& f, const ChartPoint16& at, I16 triangle) const {
+    I16 inside = (at.patch == f.patch) & (at.u >= f.low[0]) & (at.u <= f.high[0]) & (at.v >= f.low[1]) &
+                 (at.v <= f.high[1]);
+    return f.slot_mask == 0 || !any(inside) ? inside : inside & on_reached_triangle(f, inside, triangle);
+  }
 
  private:
-  struct Node {
-    Eigen::AlignedBox3f box;
-    std::uint32_t begin, count;  ///< Leaf: a range of order_; count 0 for inner nodes.
-    std::uint32_t right;         ///< Inner: the left child follows its parent.
-  };
-  std::uint32_t build(std::uint32_t begin, std::uint32_t end, const std::vector<Eigen::AlignedBox3f>& boxes);
+  [[nodiscard]] I16 on_reached_triangle(const Footprint& f, I16 active, I16 triangle) const;
 
+  std::shared_ptr<const SceneCharts> charts_;
   std::vector<RadianceRecord> records_;
   std::vector<PackedRecord> packed_;
-  std::vector<std::uint32_t> order_;
-  std::vector<Node> nodes_;
+  std::vector<Footprint> footprints_;
+  std::vector<std::uint32_t> slots_;
+  std::unique_ptr<const RegionIndex> index_;
 };
 
 }  // namespace vrc

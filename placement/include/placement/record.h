@@ -5,6 +5,7 @@
 
 #include "core/jet2.h"
 #include "placement/gather.h"
+#include "placement/site_curvature.h"
 #include "placement/valid_region.h"
 
 namespace vrc {
@@ -15,6 +16,7 @@ struct RadianceRecord {
   RadianceEstimate estimate;     ///< As gathered; never changed afterwards.
   std::array<Jet2, 3> radiance;  ///< What is interpolated: limited and fitted. In the site's frame.
   ValidRegion region;
+  SiteCurvature curvature;
   double clamp_factor = 1.0;  ///< < 1: how much the crease limit reduced the derivatives.
 };
 

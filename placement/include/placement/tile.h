@@ -51,20 +51,25 @@ void for_each_range(const FilmSampler& film, const Body& body) {
   }
 }
 
-/// Finds the records that may reach the points of a tile, and for each packet those that do.
+/// Finds the records that reach the points of a tile. Cache and tile must outlive it.
 class TileRecords {
  public:
   TileRecords(const RadianceCache& cache, const Tile& tile);
 
-  /// Calls body(record, coverage) for the records whose region, widened `support` times, holds a
-  /// point of the packet.
+  [[nodiscard]] const Tile& tile() const { return tile_; }
+
+  /// Calls body(record, coverage) for the records that reach a point of packet `packet` of the tile
+  /// over its surface and whose region, widened `support` times, holds it.
   template <typename Body>
-  void for_each(const SurfacePoint16& p, float support, const Body& body) const {
+  void for_each(std::size_t packet, float support, const Body& body) const {
+    const SurfacePoint16& p = tile_.points[packet];
     for (const std::uint32_t index : candidates_) {
-      const PackedRecord& record = cache_.packed()[index];
+      const RadianceCache::Footprint& f = cache_.footprints()[index];
+      const PackedRecord& record = cache_.packed()[f.record];
       if (!may_reach(record, p, support)) continue;
-      const Coverage16 c =
-          coverage(record, p.position, p.normal, select(p.scatters, p.region, splat(-1)), support);
+      const I16 reached = cache_.reaches(f, at_[packet], p.triangle);
+      if (!any(reached)) continue;
+      const Coverage16 c = coverage(record, p.position, p.normal, reached, support);
       if (any(c.weight > 0.0f)) body(record, c);
     }
   }
@@ -73,7 +78,9 @@ class TileRecords {
   [[nodiscard]] static bool may_reach(const PackedRecord& record, const SurfacePoint16& p, float support);
 
   const RadianceCache& cache_;
-  std::vector<std::uint32_t> candidates_;
+  const Tile& tile_;
+  std::vector<ChartPoint16> at_;           ///< Of the tile's packets.
+  std::vector<std::uint32_t> candidates_;  ///< Footprints.
 };
 
 }  // namespace vrc

@@ -5,8 +5,9 @@
 
 namespace vrc {
 
-/// Outgoing radiance at sixteen points from the records around them [Zhao eq. 13]: regions widened
-/// by kBlendSupport, points that none reaches by kWideSupport; 0 where nothing applies.
-[[nodiscard]] V3x16 interpolate(const TileRecords& records, const SurfacePoint16& p, int taylor_order);
+/// Outgoing radiance at the points of packet `packet` of the tile from the records around them [Zhao
+/// eq. 13]: regions widened by kBlendSupport, points that none reaches by kWideSupport; 0 where nothing
+/// applies.
+[[nodiscard]] V3x16 interpolate(const TileRecords& records, std::size_t packet, int taylor_order);
 
 }  // namespace vrc

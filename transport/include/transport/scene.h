@@ -46,6 +46,7 @@ struct SurfacePoint {
   std::int32_t region = 0;
 };
 
+class SurfaceMesh;
 struct Surface;  // a shape's half-edge mesh and curvature
 
 /// Surfaces, lights and the camera, ready to trace. Immutable.
@@ -65,6 +66,12 @@ class Scene {
   [[nodiscard]] std::size_t triangle_count() const { return triangles_.size(); }
   [[nodiscard]] std::span<const SceneTriangle> triangles() const { return triangles_; }
   [[nodiscard]] double radius() const { return radius_; }  ///< Of the bounding sphere of all surfaces.
+
+  /// The half-edge meshes of the shapes: triangle t is face t - first_triangle(s) of its surface s.
+  [[nodiscard]] std::size_t surface_count() const { return surfaces_.size(); }
+  [[nodiscard]] const SurfaceMesh& surface_mesh(std::size_t surface) const;
+  [[nodiscard]] std::uint32_t first_triangle(std::size_t surface) const;
+  [[nodiscard]] std::size_t surface_of(std::uint32_t triangle) const;
   [[nodiscard]] float ray_offset() const { return static_cast<float>(1e-5 * radius_); }
 
   [[nodiscard]] SurfacePoint16 intersect(I16 active, const Ray16& ray, RayTracer::Coherence coherence) const;

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "placement/place_records.h"
+#include "placement/tile.h"
+
+namespace vrc {
+
+/// A camera sample's surface point that no record reaches.
+struct OpenSample {
+  std::uint32_t triangle;
+  float u, v;
+  std::uint64_t key;
+};
+
+/// Samples of a tile that no region reaches, widened kWideSupport times; at most one for each square of
+/// 2 x 2 pixels.
+[[nodiscard]] std::vector<OpenSample> find_open_samples(const Scene& scene, const FilmSampler& film,
+                                                        const RadianceCache& cache, const TileLayout& layout,
+                                                        std::size_t tile, RayCounts& counts);
+
+}  // namespace vrc

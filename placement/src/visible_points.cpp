@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "placement/visible_points.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "core/hash.h"
+#include "core/parallel.h"
+#include "core/sobol.h"
+
+namespace vrc {
+namespace {
+
+constexpr int kPilotStride = 32;  // pixels between the first records
+
+/// Morton code with its bits reversed: sorts a square of 2^levels pixels coarse to fine.
+std::uint64_t coarse_to_fine_key(std::uint32_t x, std::uint32_t y, int levels) {
+  std::uint64_t key = 0;
+  for (int bit = 0; bit < levels; ++bit) {
+    key = (key << 2) | (((x >> bit) & 1u) ^ ((y >> bit) & 1u)) << 1 | ((y >> bit) & 1u);
+  }
+  return key;
+}
+
+/// Distance between the pilot records: small pictures get some as well.
+int pilot_stride(const PlacementView& view) {
+  int stride = kPilotStride;
+  while (stride > 1 && 8 * stride > std::min(view.x1 - view.x0, view.y1 - view.y0)) stride /= 2;
+  return stride;
+}
+
+struct FilmPosition {
+  float x, y;
+  std::uint64_t key;
+};
+
+}  // namespace
+
+/// Looks through positions of the film.
+class VisiblePoints::Collector {
+ public:
+  static VisiblePoints collect(const SceneCharts& charts, const std::vector<FilmPosition>& positions,
+                               std::size_t pilot_positions, std::uint64_t& camera_rays) {
+    const Scene& scene = charts.scene();
+    const std::size_t packets = (positions.size() + kLanes - 1) / kLanes;
+    std::vector<Point> seen(positions.size());
+    parallel_for(packets, [&](std::size_t packet) { look(scene, positions, packet * kLanes, seen); });
+    camera_rays += positions.size();
+    std::vector<Point> points;
+    points.reserve(seen.size());
+    std::size_t pilot_count = 0;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      if (seen[i].region < 0) continue;
+      points.push_back(seen[i]);
+      if (i < pilot_positions) pilot_count = points.size();
+    }
+    return {charts, std::move(points), pilot_count};
+  }
+
+ private:
+  static void look(const Scene& scene, const std::vector<FilmPosition>& positions, std::size_t first,
+                   std::vector<Point>& seen) {
+    const auto count = static_cast<int>(std::min<std::size_t>(kLanes, positions.size() - first));
+    F16 x{}, y{};
+    for (int i = 0; i < count; ++i) {
+      x[i] = positions[first + static_cast<std::size_t>(i)].x;
+      y[i] = positions[first + static_cast<std::size_t>(i)].y;
+    }
+    const Camera& camera = scene.camera();
+    const Ray16 ray = {splat3(camera.origin), camera_directions(camera, x, y), splat(1e17f)};
+    const SurfacePoint16 p =
+        scene.intersect(lane_index() < count, ray, RayTracer::Coherence::kIncoherent);
+    for (int i = 0; i < count; ++i) {
+      if (p.scatters[i] == 0) continue;
+      const std::size_t index = first + static_cast<std::size_t>(i);
+      Point& point = seen[index];
+      point.position = {p.position.x[i], p.position.y[i], p.position.z[i]};
+      point.normal = {p.normal.x[i], p.normal.y[i], p.normal.z[i]};
+      point.triangle = static_cast<std::uint32_t>(p.triangle[i]);
+      point.u = p.u[i];
+      point.v = p.v[i];
+      point.region = p.region[i];
+      point.key = positions[index].key;
+    }
+  }
+};
+
+namespace {
+
+template <typename Points>
+std::vector<ChartPoint> in_charts(const SceneCharts& charts, const Points& points) {
+  std::vector<ChartPoint> result;
+  result.reserve(points.size());
+  for (const auto& p : points) {
+    result.push_back({charts.patch_of(p.triangle),
+                      charts.uv(p.triangle, static_cast<double>(p.u), static_cast<double>(p.v))});
+  }
+  return result;
+}
+
+}  // namespace
+
+VisiblePoints::VisiblePoints(const SceneCharts& charts, std::vector<Point> points, std::size_t pilot_count)
+    : charts_(&charts),
+      points_(std::move(points)),
+      covered_(points_.size(), 0),
+      pilot_count_(pilot_count),
+      grid_(charts.patch_count(), in_charts(charts, points_)) {}
+
+SurfacePoint VisiblePoints::surface_point(std::size_t i) const {
+  const Scene& scene = charts_->scene();
+  const Point& p = points_[i];
+  return scene.surface_point(p.triangle, p.u, p.v, scene.camera().origin);
+}
+
+void VisiblePoints::cover(const ValidRegion& region, const SurfaceReach& reach) {
+  for_each_within(region, reach, 1.0, [&](std::uint32_t i, float, float, float) { covered_[i] = 1; });
+}
+
+void VisiblePoints::clear_coverage() { std::ranges::fill(covered_, std::uint8_t{0}); }
+
+VisiblePoints pixel_centres(const SceneCharts& charts, const PlacementView& view,
+                            std::uint64_t& camera_rays) {
+  const int width = view.x1 - view.x0, height = view.y1 - view.y0;
+  const int levels = std::bit_width(static_cast<unsigned>(std::max(width, height) - 1));
+  std::vector<std::pair<std::uint64_t, FilmPosition>> keyed;
+  keyed.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  for (int y = view.y0; y < view.y1; ++y) {
+    for (int x = view.x0; x < view.x1; ++x) {
+      // The key depends on the film's coordinates only, not on the window.
+      keyed.push_back({coarse_to_fine_key(static_cast<std::uint32_t>(x - view.x0),
+                                          static_cast<std::uint32_t>(y - view.y0), levels),
+                       {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, hash(0x9121u, x, y)}});
+    }
+  }
+  std::ranges::sort(keyed, {}, [](const auto& entry) { return entry.first; });
+  std::vector<FilmPosition> positions;
+  positions.reserve(keyed.size());
+  for (const auto& entry : keyed) positions.push_back(entry.second);
+  const int stride = pilot_stride(view);
+  const auto along = [&](int extent) { return static_cast<std::size_t>((extent + stride - 1) / stride); };
+  return VisiblePoints::Collector::collect(charts, positions, along(width) * along(height), camera_rays);
+}
+
+VisiblePoints film_points(const SceneCharts& charts, const PlacementView& view, std::uint64_t& camera_rays) {
+  const auto width = static_cast<double>(view.x1 - view.x0), height = static_cast<double>(view.y1 - view.y0);
+  const auto count = static_cast<std::size_t>(std::ceil(width * height));
+  std::vector<FilmPosition> positions;
+  positions.reserve(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto coordinate = [&](int dimension, double size) {
+      const std::uint32_t bits = owen_scramble(sobol(i, dimension), 0x51f15eedu + dimension);
+      return static_cast<float>((static_cast<double>(bits) + 0.5) * 0x1p-32 * size);
+    };
+    positions.push_back({static_cast<float>(view.x0) + coordinate(0, width),
+                         static_cast<float>(view.y0) + coordinate(1, height), hash(0xf117u, i)});
+  }
+  const double stride = pilot_stride(view);
+  const auto pilots = static_cast<std::size_t>(std::ceil(width * height / (stride * stride)));
+  return VisiblePoints::Collector::collect(charts, positions, pilots, camera_rays);
+}
+
+}  // namespace vrc
