@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace vrc {
 namespace {
@@ -10,8 +11,9 @@ namespace {
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 struct Segment {
-  Vec2 a, b;
+  Vec2 a, b;  // The face is on the left.
   double u_min, u_max;
+  Vec2 inside;  // Of the face, close to the middle of the segment.
 };
 
 std::vector<Segment> border(const ChartMesh& chart, std::span<const Vec2> uv) {
@@ -21,7 +23,10 @@ std::vector<Segment> border(const ChartMesh& chart, std::span<const Vec2> uv) {
       if (chart.neighbours[f][k] != kInvalidIndex) continue;
       const Vec2& a = uv[chart.triangles[f][k]];
       const Vec2& b = uv[chart.triangles[f][(k + 1) % 3]];
-      segments.push_back({a, b, std::min(a.x(), b.x()), std::max(a.x(), b.x())});
+      const Vec2& c = uv[chart.triangles[f][(k + 2) % 3]];
+      constexpr double kInset = 1e-3;
+      segments.push_back({a, b, std::min(a.x(), b.x()), std::max(a.x(), b.x()),
+                          0.5 * (1.0 - kInset) * (a + b) + kInset * c});
     }
   }
   return segments;
@@ -49,6 +54,48 @@ bool crosses_itself(std::vector<Segment> segments) {
     }
   }
   return false;
+}
+
+// Signed crossings of the ray from the point towards +v.
+int crossing(const Segment& s, const Vec2& point) {
+  const bool from = s.a.x() > point.x();
+  const bool to = s.b.x() > point.x();
+  if (from == to) return 0;
+  // Above the point, a border that has the map below it runs to the left.
+  const bool above = (cross(s.b - s.a, point - s.a) > 0.0) == from;
+  return !above ? 0 : from ? 1 : -1;
+}
+
+// Sheets may lie on each other with borders that only touch, as those of a spiral ramp seen from above.
+// How many cover a point is the winding number of the border around it, which changes at the border
+// only; so it is enough to look beside each segment of it.
+bool covers_twice(const std::vector<Segment>& segments) {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -low;
+  double width = 0.0;
+  for (const Segment& s : segments) {
+    low = std::min(low, s.u_min);
+    high = std::max(high, s.u_max);
+    width += s.u_max - s.u_min;
+  }
+  // Per strip of u the segments that meet it: about four strips a segment.
+  const auto count = static_cast<double>(segments.size());
+  const auto strips =
+      static_cast<std::size_t>(std::clamp(4.0 * count * (high - low) / width, 1.0, 1.0 + count));
+  const auto strip = [&](double u) {
+    const double position = (u - low) / (high - low) * static_cast<double>(strips);
+    return std::min(static_cast<std::size_t>(std::max(position, 0.0)), strips - 1);
+  };
+  std::vector<std::vector<std::uint32_t>> members(strips);
+  for (std::uint32_t i = 0; i < segments.size(); ++i) {
+    for (std::size_t j = strip(segments[i].u_min); j <= strip(segments[i].u_max); ++j)
+      members[j].push_back(i);
+  }
+  return std::any_of(segments.begin(), segments.end(), [&](const Segment& s) {
+    int winding = 0;
+    for (const std::uint32_t i : members[strip(s.inside.x())]) winding += crossing(segments[i], s.inside);
+    return winding > 1;
+  });
 }
 
 // The triangles turn more than once round a vertex: on top of each other.
@@ -115,7 +162,10 @@ ChartCheck check_chart(const ChartMesh& chart, std::span<const Vec2> uv, const P
       check.bad_faces.push_back(f);
     }
   }
-  if (check.bad_faces.empty()) check.overlaps = winds_twice(chart, uv) || crosses_itself(border(chart, uv));
+  if (check.bad_faces.empty()) {
+    const std::vector<Segment> segments = border(chart, uv);
+    check.overlaps = winds_twice(chart, uv) || covers_twice(segments) || crosses_itself(segments);
+  }
   return check;
 }
 

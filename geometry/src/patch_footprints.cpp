@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <tuple>
 
 #include "core/error.h"
@@ -25,50 +27,88 @@ std::uint64_t z_curve(const Vec2& unit) {
          (spread_bits(static_cast<std::uint64_t>(unit.y() * kCells)) << 1);
 }
 
+// What a face holds of a walked ellipse.
+struct FacePart {
+  PatchFootprint footprint;
+  std::array<Vec2, 3> uv;  // Of the face's corners.
+  Eigen::Matrix<double, 2, 2, Eigen::DontAlign> map =
+      Mat2::Zero();     // Takes the unit disk to the ellipse around footprint.center in (u, v).
+  bool usable = false;  // Whether the map is more than noise, as that of a sliver is.
+};
+
+std::optional<FacePart> face_part(const PatchAtlas& atlas, const WalkedFace& walked, const Vec2& radii,
+                                  std::uint32_t record) {
+  const std::array<Vec2, 3>& p = walked.corners;
+  FacePart part;
+  for (int k = 0; k < 3; ++k) part.uv[static_cast<std::size_t>(k)] = atlas.uv(walked.face, k);
+  const std::array<Vec2, 3>& uv = part.uv;
+  Mat2 edges;
+  edges << p[1] - p[0], p[2] - p[0];
+  Mat2 uv_edges;
+  uv_edges << uv[1] - uv[0], uv[2] - uv[0];
+  Vec2 low = uv[0].cwiseMin(uv[1]).cwiseMin(uv[2]);
+  Vec2 high = uv[0].cwiseMax(uv[1]).cwiseMax(uv[2]);
+  constexpr double kUsable = 1e-8;
+  part.usable = std::abs(edges.determinant()) > kUsable * (p[1] - p[0]).norm() * (p[2] - p[0]).norm();
+  part.footprint = {record, atlas.patch_of(walked.face), low, high};
+  if (!part.usable) return part;  // The triangle bounds it alone.
+  const Mat2 map = uv_edges * edges.inverse();
+  const Vec2 center = uv[0] - map * p[0];
+  part.map = map * radii.asDiagonal();
+  // The ellipse's image has the half widths of the rows of its map.
+  const Vec2 half = part.map.rowwise().norm();
+  const Vec2 slack = Vec2::Constant(1e-7 * half.maxCoeff());
+  low = low.cwiseMax(center - half - slack);
+  high = high.cwiseMin(center + half + slack);
+  if ((low.array() > high.array()).any()) return std::nullopt;
+  part.footprint = {record, part.footprint.patch, low, high, center, part.map.inverse()};
+  return part;
+}
+
+// How large the part is, seen in the ellipse of a footprint: 1 if it just fits in.
+double reach_in(const PatchFootprint& ellipse, const FacePart& part) {
+  double corners = 0.0;
+  for (const Vec2& uv : part.uv) corners = std::max(corners, (ellipse.shape * (uv - ellipse.center)).norm());
+  if (!part.usable) return corners;
+  const Mat2 relative = ellipse.shape * part.map;
+  // The larger singular value.
+  const double size = 0.5 * (std::hypot(relative(0, 0) + relative(1, 1), relative(1, 0) - relative(0, 1)) +
+                             std::hypot(relative(0, 0) - relative(1, 1), relative(1, 0) + relative(0, 1)));
+  return std::min(corners, size + (ellipse.shape * (part.footprint.center - ellipse.center)).norm());
+}
+
+// Of parts in one patch. A first face without a usable map leaves the box alone.
+PatchFootprint join(std::span<const FacePart> parts) {
+  PatchFootprint joined = parts.front().footprint;
+  double reach = 1.0;
+  for (const FacePart& part : parts) {
+    joined.low = joined.low.cwiseMin(part.footprint.low);
+    joined.high = joined.high.cwiseMax(part.footprint.high);
+    reach = std::max(reach, reach_in(joined, part));
+  }
+  constexpr double kRounding = 1e-7;
+  joined.shape /= reach * (1.0 + kRounding);
+  return joined;
+}
+
 }  // namespace
 
 std::vector<PatchFootprint> patch_footprints(const PatchAtlas& atlas, const SurfaceWalk& walk,
                                              const Vec2& radii, std::uint32_t record) {
-  std::vector<PatchFootprint> footprints;
+  std::vector<FacePart> parts;
   for (const WalkedFace& walked : walk.faces) {
-    const std::array<Vec2, 3>& p = walked.corners;
-    const std::array<Vec2, 3> uv{atlas.uv(walked.face, 0), atlas.uv(walked.face, 1),
-                                 atlas.uv(walked.face, 2)};
-    Mat2 edges;
-    edges << p[1] - p[0], p[2] - p[0];
-    Mat2 uv_edges;
-    uv_edges << uv[1] - uv[0], uv[2] - uv[0];
-    // The ellipse's image has the half widths of the rows of (map diag(radii)).
-    const Mat2 map = uv_edges * edges.inverse();
-    const Vec2 half = (map * radii.asDiagonal()).rowwise().norm();
-    const Vec2 center = uv[0] - map * p[0];
-    Vec2 low = uv[0].cwiseMin(uv[1]).cwiseMin(uv[2]);
-    Vec2 high = uv[0].cwiseMax(uv[1]).cwiseMax(uv[2]);
-    // A sliver's map may be noise: its triangle then bounds it alone.
-    constexpr double kUsable = 1e-8;
-    const double usable = kUsable * (p[1] - p[0]).norm() * (p[2] - p[0]).norm();
-    if (std::abs(edges.determinant()) > usable) {
-      const Vec2 slack = Vec2::Constant(1e-7 * half.maxCoeff());
-      const Vec2 clipped_low = low.cwiseMax(center - half - slack);
-      const Vec2 clipped_high = high.cwiseMin(center + half + slack);
-      if ((clipped_low.array() > clipped_high.array()).any()) continue;
-      low = clipped_low;
-      high = clipped_high;
-    }
-    footprints.push_back({record, atlas.patch_of(walked.face), low, high});
+    if (const std::optional<FacePart> part = face_part(atlas, walked, radii, record)) parts.push_back(*part);
   }
-  std::stable_sort(footprints.begin(), footprints.end(),
-                   [](const PatchFootprint& a, const PatchFootprint& b) { return a.patch < b.patch; });
-  std::size_t count = 0;
-  for (const PatchFootprint& f : footprints) {
-    if (count > 0 && footprints[count - 1].patch == f.patch) {
-      footprints[count - 1].low = footprints[count - 1].low.cwiseMin(f.low);
-      footprints[count - 1].high = footprints[count - 1].high.cwiseMax(f.high);
-    } else {
-      footprints[count++] = f;
-    }
+  std::stable_sort(parts.begin(), parts.end(), [](const FacePart& a, const FacePart& b) {
+    return a.footprint.patch < b.footprint.patch;
+  });
+  std::vector<PatchFootprint> footprints;
+  for (std::size_t begin = 0; begin < parts.size();) {
+    std::size_t end = begin + 1;
+    while (end < parts.size() && parts[end].footprint.patch == parts[begin].footprint.patch) ++end;
+    footprints.push_back(join(std::span(parts).subspan(begin, end - begin)));
+    begin = end;
   }
-  footprints.resize(count);
   return footprints;
 }
 
