@@ -25,12 +25,12 @@ Examples:
 Maps hold for every record where it is (also face, chart and u, v), its region (r1 r2, e1 e2), radiance,
 gradient and Hessian, and how its surface bends (deviation, curvature, reason; needs_sh is 1 where the
 paper would use spherical harmonics). .ply opens in MeshLab, Blender and CloudCompare, .vtp in ParaView.
-The overlay draws the ellipses at half their size, as they overlap: blue for Taylor records, red for
+The overlay draws the ellipses at half their size, as they overlap: blue for Taylor records, orange for
 those with needs_sh. The same command gives the same files at any number of threads.)";
 
 constexpr const char* kOverlayHelp =
     "Write the picture (.png) with the records' centres and ellipses at half size drawn over it: blue for "
-    "Taylor records, red where the paper would use spherical harmonics";
+    "Taylor records, orange where the paper would use spherical harmonics";
 
 using OptionalPath = std::optional<fs::path>;
 

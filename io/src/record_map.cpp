@@ -16,7 +16,7 @@ namespace {
 
 using Color8 = std::array<std::uint8_t, 3>;
 constexpr Color8 kShColor{214, 39, 40};
-constexpr Color8 kNeedsShColor{230, 159, 0};
+constexpr Color8 kNeedsShColor{230, 94, 0};
 
 float mean_radius(const RecordMapEntry& record) { return std::sqrt(record.radius1 * record.radius2); }
 

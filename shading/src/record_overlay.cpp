@@ -170,9 +170,12 @@ Image draw_record_overlay(const Image& picture, const RadianceCache& cache,
   LinePainter taylor(picture.width, picture.height), harmonics = taylor;
   for (std::size_t i = 0; i < records.size(); ++i) {
     LinePainter& layer = records[i].curvature.needs_sh() ? harmonics : taylor;
+    // Small ellipses, which crowd, get thinner lines and smaller dots.
+    const double share =
+        std::clamp(drawn_radius(records[i], options.scale) / kFullLineRadius, kThinnest, 1.0);
     for (const Stroke& s : strokes[i]) {
-      layer.stroke(s.a.cast<double>(), s.b.cast<double>(),
-                   s.is_center ? options.dot_radius : 0.5 * options.line_width);
+      const double radius = share * (s.is_center ? options.dot_radius : 0.5 * options.line_width);
+      layer.stroke(s.a.cast<double>(), s.b.cast<double>(), radius);
     }
   }
   Image image = tone_mapped(picture, options.exposure);
