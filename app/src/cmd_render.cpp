@@ -1,37 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <CLI/CLI.hpp>
-#include <chrono>
-#include <exception>
-#include <iostream>
 #include <memory>
 
-#include "app/command_line.h"
-#include "app/progress.h"
 #include "app/version.h"
 #include "commands.h"
 #include "core/image_error.h"
-#include "core/parallel.h"
 #include "interrupt.h"
-#include "io/atomic_file.h"
 #include "io/image_io.h"
-#include "record_entries.h"
 #include "render_arguments.h"
-#include "stats_json.h"
+#include "scene_run.h"
 
 namespace vrc {
 namespace {
 
 namespace fs = std::filesystem;
-
-double steady_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-void print_messages(const SceneDescription& scene, bool quiet) {
-  for (const std::string& warning : scene.warnings) std::cerr << "warning: " << warning << "\n";
-  if (quiet) return;
-  for (const std::string& note : scene.notes) std::cerr << "note: " << note << "\n";
-}
 
 std::optional<Image> read_reference(const std::optional<fs::path>& path) {
   if (!path) return std::nullopt;
@@ -57,16 +39,6 @@ double relmse_to(const Image& reference, const Image& image, const std::optional
     return crop(whole, window->x0, window->y0, window->x1, window->y1);
   };
   return compare_rgb(cut(image), cut(reference)).relmse;
-}
-
-RenderResult render_with_progress(const Scene& scene, const RenderOptions& options, bool quiet,
-                                  const std::atomic<bool>& stop) {
-  ProgressDisplay display(std::cerr, quiet ? ProgressStyle::kNone : progress_style_of_stderr(),
-                          steady_seconds, terminal_columns());
-  RunControl control;
-  control.progress = [&display](const ProgressUpdate& update) { display.update(update); };
-  control.stop = &stop;
-  return render(scene, options, control);
 }
 
 /// Where the picture comes from. The pixels do not depend on threads or time; this header may.
@@ -98,71 +70,25 @@ void write_picture(const fs::path& path, const Image& image, double exposure, co
   }
 }
 
-/// Writes all outputs but the statistics. One that fails does not keep the others from being written;
-/// its error is thrown at the end.
-void write_outputs(const RenderArguments& arguments, const RenderResult& result, const RunReport& report) {
-  std::exception_ptr first_error;
-  const auto attempt = [&first_error](const auto& write) {
-    try {
-      write();
-    } catch (const InputError&) {
-      if (!first_error) first_error = std::current_exception();
-    }
-  };
-  for (const fs::path& path : arguments.images) {
-    attempt([&] { write_picture(path, result.image, arguments.exposure, report); });
-  }
-  if (arguments.record_map || arguments.record_ellipses) {
-    const std::vector<RecordMapEntry> entries =
-        result.cache ? record_entries(*result.cache) : std::vector<RecordMapEntry>{};
-    if (arguments.record_map) attempt([&] { write_record_map(*arguments.record_map, entries); });
-    if (arguments.record_ellipses)
-      attempt([&] { write_record_ellipses(*arguments.record_ellipses, entries); });
-  }
-  if (first_error) std::rethrow_exception(first_error);
-}
-
 int run_render(const RenderArguments& arguments, const std::string& command_line) {
   const PhaseTimer total("total");
   check_render_arguments(arguments);
   const std::optional<Image> reference = read_reference(arguments.reference);
   const InterruptGuard interrupt;
-  RunReport report;
-  report.scene = arguments.scene.string();
-  report.command_line = command_line;
-  report.threads = set_thread_count(arguments.threads);
-
-  const PhaseTimer reading("read scene");
-  const SceneDescription description = read_scene(arguments.scene, arguments.scene_options);
-  print_messages(description, arguments.quiet);
-  report.options = render_options_for(arguments, description);
-  report.width = description.camera.width;
-  report.height = description.camera.height;
-  if (reference) check_reference_size(*arguments.reference, *reference, description.camera);
-  const PhaseTime reading_time = reading.elapsed();
-  const PhaseTimer building("build scene");
-  const Scene scene(description);
-  const PhaseTime building_time = building.elapsed();
-  if (interrupt.flag()) throw Interrupted();
-
-  const PhaseTimer rendering("render");
-  const RenderResult result = render_with_progress(scene, report.options, arguments.quiet, interrupt.flag());
-  report.render_seconds = rendering.elapsed().seconds;
-  report.stats = result.stats;
-  if (reference) report.relmse = relmse_to(*reference, result.image, report.options.crop);
+  SceneRun run = run_scene(arguments, command_line, interrupt.flag(), [&](const SceneDescription& scene) {
+    if (reference) check_reference_size(*arguments.reference, *reference, scene.camera);
+  });
+  const Image& image = run.result.image;
+  if (reference) run.report.relmse = relmse_to(*reference, image, run.report.options.crop);
 
   const PhaseTimer writing("write files");
-  write_outputs(arguments, result, report);
-  auto& phases = report.stats.phases;
-  phases.insert(phases.begin(), {reading_time, building_time});
-  phases.push_back(writing.elapsed());
-  report.seconds = total.elapsed().seconds;
-  report.cpu_seconds = process_cpu_seconds();
-  if (arguments.stats) write_file_atomically(*arguments.stats, stats_json(report));
-  std::cout << summary_line(report) << std::endl;
-  if (!report.stats.unfinished) return kExitDone;
-  std::cerr << "vrc: interrupted: the files hold an unfinished picture\n";
-  return kExitInterrupted;
+  OutputErrors errors;
+  for (const fs::path& path : arguments.images) {
+    errors.attempt([&] { write_picture(path, image, arguments.exposure, run.report); });
+  }
+  write_record_files(arguments, run.result, errors);
+  errors.rethrow_first();
+  return finish_run(arguments, run, writing, total);
 }
 
 }  // namespace

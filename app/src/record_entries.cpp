@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "record_entries.h"
 
+#include <cmath>
+
+#include "core/parallel.h"
+#include "placement/surface_reach.h"
+
 namespace vrc {
 namespace {
 
@@ -17,7 +22,13 @@ Jet2 luminance_jet(const std::array<Jet2, 3>& rgb) {
   return sum;
 }
 
-RecordMapEntry entry_of(const RadianceRecord& record) {
+void set_gathered(RecordMapEntry& entry, const RadianceEstimate& estimate) {
+  entry.luminance_deviation = static_cast<float>(std::sqrt(std::max(0.0, estimate.variance.value)));
+  entry.nearest_hit = static_cast<float>(estimate.nearest_hit);
+  entry.mean_hit = static_cast<float>(1.0 / estimate.mean_inverse_hit);  // infinite for 0
+}
+
+RecordMapEntry entry_of(const SceneCharts& charts, const RadianceRecord& record) {
   const ValidRegion& region = record.region;
   const Jet2 jet = luminance_jet(record.radiance);
   // Rows: the axes of the region in the frame of the derivatives.
@@ -39,8 +50,15 @@ RecordMapEntry entry_of(const RadianceRecord& record) {
   }
   entry.gradient = (axes * jet.gradient).cast<float>();
   entry.hessian = Vec3(hessian(0, 0), hessian(0, 1), hessian(1, 1)).cast<float>();
-  entry.region = static_cast<std::uint32_t>(record.site.point.region);
-  entry.face = record.site.point.triangle;
+  entry.clamp_factor = static_cast<float>(record.clamp_factor);
+  set_gathered(entry, record.estimate);
+  entry.curvature = record.curvature;
+  const SurfacePoint& point = record.site.point;
+  entry.region = static_cast<std::uint32_t>(point.region);
+  entry.face = point.triangle;
+  entry.patch = charts.patch_of(point.triangle);
+  entry.uv =
+      charts.uv(point.triangle, static_cast<double>(point.u), static_cast<double>(point.v)).cast<float>();
   return entry;
 }
 
@@ -49,8 +67,24 @@ RecordMapEntry entry_of(const RadianceRecord& record) {
 std::vector<RecordMapEntry> record_entries(const RadianceCache& cache) {
   std::vector<RecordMapEntry> entries;
   entries.reserve(cache.records().size());
-  for (const RadianceRecord& record : cache.records()) entries.push_back(entry_of(record));
+  for (const RadianceRecord& record : cache.records()) entries.push_back(entry_of(cache.charts(), record));
   return entries;
+}
+
+std::vector<EllipseTessellation> record_tessellations(const RadianceCache& cache) {
+  constexpr double kLift = 1e-4;  // of the scene's radius
+  const Scene& scene = cache.charts().scene();
+  EllipseTessellationOptions options;
+  options.segments = 32;
+  options.lift = kLift * scene.radius();
+  std::vector<EllipseTessellation> result(cache.records().size());
+  parallel_for(result.size(), [&](std::size_t i) {
+    const RadianceRecord& record = cache.records()[i];
+    const SurfacePoint& point = record.site.point;
+    const SurfaceMesh& mesh = scene.surface_mesh(scene.surface_of(point.triangle));
+    result[i] = tessellate_ellipse(mesh, surface_ellipse(scene, point, record.region, 1.0), options);
+  });
+  return result;
 }
 
 }  // namespace vrc

@@ -11,4 +11,7 @@ namespace vrc {
 /// What a record map shows of the records of `cache`, in their order.
 [[nodiscard]] std::vector<RecordMapEntry> record_entries(const RadianceCache& cache);
 
+/// The ellipses of the records' valid regions on the surface, lifted a little to be seen before it.
+[[nodiscard]] std::vector<EllipseTessellation> record_tessellations(const RadianceCache& cache);
+
 }  // namespace vrc

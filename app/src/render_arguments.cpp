@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "cli_values.h"
-#include "io/atomic_file.h"
 
 namespace vrc {
 namespace fs = std::filesystem;
@@ -19,6 +18,54 @@ Examples:
 The same command gives the same picture at any number of threads. Ctrl-C stops the work and writes
 what there is; a second one ends the program at once.)";
 
+constexpr const char* kRecordsFooter = R"(
+Examples:
+  vrc records scenes/curved_room.xml -o records.vtp -o records.csv --ellipses ellipses.ply
+  vrc records scenes/half_box.xml --records 5000 --overlay half_box.png
+Maps hold for every record where it is (also face, chart and u, v), its region (r1 r2, e1 e2), radiance,
+gradient and Hessian, and how its surface bends (deviation, curvature, reason; needs_sh is 1 where the
+paper would use spherical harmonics). .ply opens in MeshLab, Blender and CloudCompare, .vtp in ParaView.
+The overlay draws the ellipses at half their size, as they overlap: blue for Taylor records, orange for
+those with needs_sh. The same command gives the same files at any number of threads.)";
+
+constexpr const char* kOverlayHelp =
+    "Write the picture (.png) with the records' centres and ellipses at half size drawn over it: blue for "
+    "Taylor records, orange where the paper would use spherical harmonics";
+
+using OptionalPath = std::optional<fs::path>;
+
+void add_output_file(CLI::App& command, const char* name, OptionalPath& target, const char* description) {
+  add_value(command, name, "FILE", description, "a file name", [&target](const std::string& text) {
+    target = text;
+    return !text.empty();
+  })->group("Output");
+}
+
+void add_output_files(CLI::App& command, const char* name, std::vector<fs::path>& target,
+                      const char* description) {
+  command.add_option(name, target, description)->type_name("FILE")->allow_extra_args(false)->group("Output");
+}
+
+void declare_stats(CLI::App& command, RenderArguments& arguments) {
+  add_output_file(command, "--stats", arguments.stats, "Write times, counts and settings as JSON");
+}
+
+void declare_exposure(CLI::App& command, RenderArguments& arguments) {
+  add_number(command, "--exposure", arguments.exposure, NumberRange<double>{-64.0, 64.0},
+             "Powers of two that PNG files are brightened by")
+      ->group("Output");
+}
+
+void declare_record_outputs(CLI::App& command, RenderArguments& arguments) {
+  add_output_files(command, "-o,--output", arguments.record_maps,
+                   "Record map to write: points as .ply, .vtp or .csv; may be repeated");
+  add_output_file(command, "--ellipses", arguments.record_ellipses,
+                  "Write the records' ellipses on the surface as a mesh, .ply or .vtp");
+  add_output_file(command, "--overlay", arguments.record_overlay, kOverlayHelp);
+  declare_stats(command, arguments);
+  declare_exposure(command, arguments);
+}
+
 void declare_outputs(CLI::App& command, RenderArguments& arguments) {
   command
       .add_option("-o,--output", arguments.images,
@@ -27,33 +74,33 @@ void declare_outputs(CLI::App& command, RenderArguments& arguments) {
       ->required()
       ->allow_extra_args(false)
       ->group("Output");
-  const auto add_file = [&](const char* name, std::optional<fs::path>& target, const char* description) {
-    add_value(command, name, "FILE", description, "a file name", [&target](const std::string& text) {
-      target = text;
-      return !text.empty();
-    })->group("Output");
-  };
-  add_file("--record-map", arguments.record_map, "Write the cache records as PLY points");
-  add_file("--record-ellipses", arguments.record_ellipses, "Write the records' valid regions as a PLY mesh");
-  add_file("--stats", arguments.stats, "Write times, counts and settings as JSON");
-  add_file("--reference", arguments.reference, "Print the relMSE of R, G, B against this picture");
-  add_number(command, "--exposure", arguments.exposure, NumberRange<double>{-64.0, 64.0},
-             "Powers of two that PNG files are brightened by")
-      ->group("Output");
+  add_output_files(command, "--record-map", arguments.record_maps,
+                   "Write the cache records as points, .ply, .vtp or .csv; may be repeated");
+  add_output_file(command, "--record-ellipses", arguments.record_ellipses,
+                  "Write the records' ellipses on the surface as a mesh, .ply or .vtp");
+  add_output_file(command, "--record-overlay", arguments.record_overlay, kOverlayHelp);
+  declare_stats(command, arguments);
+  add_output_file(command, "--reference", arguments.reference,
+                  "Print the relMSE of R, G, B against this picture");
+  declare_exposure(command, arguments);
   command.add_flag("--aovs", arguments.render.aovs, "Add the layers albedo, N and depth to EXR files")
       ->group("Output");
+}
+
+void declare_method(CLI::App& command, RenderOptions& render) {
+  add_choice(command, "--method", render.method,
+             {{"cache", Method::kCache}, {"path", Method::kPath}, {"direct", Method::kDirect}},
+             "Radiance cache, path tracing, or direct light only")
+      ->group("Picture");
+  add_choice(command, "--only", render.only,
+             {{"full", Component::kFull}, {"direct", Component::kDirect}, {"indirect", Component::kIndirect}},
+             "Light that the channels R, G, B hold")
+      ->group("Picture");
 }
 
 void declare_picture(CLI::App& command, RenderArguments& arguments) {
   const auto group = [](CLI::Option* option) { option->group("Picture"); };
   RenderOptions& render = arguments.render;
-  group(add_choice(command, "--method", render.method,
-                   {{"cache", Method::kCache}, {"path", Method::kPath}, {"direct", Method::kDirect}},
-                   "Radiance cache, path tracing, or direct light only"));
-  group(add_choice(
-      command, "--only", render.only,
-      {{"full", Component::kFull}, {"direct", Component::kDirect}, {"indirect", Component::kIndirect}},
-      "Light that the channels R, G, B hold"));
   group(add_number(command, "--bounces", arguments.bounces, NumberRange<int>{-1, 1024},
                    "Indirect bounces; 0 is direct light only, -1 is unbounded", "the scene's max_depth - 2"));
   group(add_value(command, "--size", "WxH", "Film size in pixels",
@@ -142,46 +189,11 @@ void declare_scene(CLI::App& command, RenderArguments& arguments) {
       ->group("Scene");
 }
 
-std::string lower_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
-
-bool same_file(const fs::path& a, const fs::path& b) {
-  std::error_code error;
-  return fs::weakly_canonical(a, error) == fs::weakly_canonical(b, error);
-}
-
-std::vector<fs::path> all_outputs(const RenderArguments& arguments) {
-  std::vector<fs::path> outputs = arguments.images;
-  for (const auto* extra : {&arguments.record_map, &arguments.record_ellipses, &arguments.stats}) {
-    if (*extra) outputs.push_back(**extra);
-  }
-  return outputs;
-}
-
-void check_outputs(const RenderArguments& arguments) {
-  for (const fs::path& image : arguments.images) {
-    const std::string extension = lower_extension(image);
-    if (extension != ".exr" && extension != ".png") {
-      throw InputError(image.string(), 0,
-                       "pictures are written as .exr or .png; choose one of these extensions");
-    }
-  }
-  const std::vector<fs::path> outputs = all_outputs(arguments);
-  for (std::size_t i = 0; i < outputs.size(); ++i) {
-    require_writable(outputs[i]);
-    for (std::size_t k = 0; k < i; ++k) {
-      if (same_file(outputs[i], outputs[k]))
-        throw InputError(outputs[i].string(), 0, "is named for two outputs");
-    }
-    if (same_file(outputs[i], arguments.scene) ||
-        (arguments.reference && same_file(outputs[i], *arguments.reference))) {
-      throw InputError(outputs[i].string(), 0, "is an input of this command; write to another file");
-    }
-  }
+void declare_run(CLI::App& command, RenderArguments& arguments) {
+  add_number(command, "--threads", arguments.threads, NumberRange<int>{1, 1024},
+             "Worker threads; the files do not depend on them", "one for each processor")
+      ->group("Run");
+  command.add_flag("--quiet", arguments.quiet, "No progress and no notes")->group("Run");
 }
 
 }  // namespace
@@ -189,30 +201,20 @@ void check_outputs(const RenderArguments& arguments) {
 void declare_render_options(CLI::App& command, RenderArguments& arguments) {
   declare_scene(command, arguments);
   declare_outputs(command, arguments);
+  declare_method(command, arguments.render);
   declare_picture(command, arguments);
   declare_cache(command, arguments.render.cache);
-  add_number(command, "--threads", arguments.threads, NumberRange<int>{1, 1024},
-             "Worker threads; the picture does not depend on them", "one for each processor")
-      ->group("Run");
-  command.add_flag("--quiet", arguments.quiet, "No progress and no notes")->group("Run");
+  declare_run(command, arguments);
   command.footer(kFooter);
 }
 
-void check_render_arguments(const RenderArguments& arguments) {
-  const bool wants_records = arguments.record_map || arguments.record_ellipses;
-  if (wants_records && arguments.render.method != Method::kCache) {
-    throw InputError("--record-map and --record-ellipses need --method cache");
-  }
-  const SceneReadOptions& scene = arguments.scene_options;
-  if ((scene.camera_origin || scene.camera_target || scene.fov_degrees) &&
-      lower_extension(arguments.scene) == ".xml") {
-    throw InputError(
-        "--camera-origin, --camera-target and --fov are for bare meshes; edit the <sensor> of the scene, or "
-        "use -D with a parameter of it");
-  }
-  std::error_code error;
-  if (!fs::exists(arguments.scene, error)) throw InputError(arguments.scene.string(), 0, "no such file");
-  check_outputs(arguments);
+void declare_records_options(CLI::App& command, RenderArguments& arguments) {
+  declare_scene(command, arguments);
+  declare_record_outputs(command, arguments);
+  declare_picture(command, arguments);
+  declare_cache(command, arguments.render.cache);
+  declare_run(command, arguments);
+  command.footer(kRecordsFooter);
 }
 
 RenderOptions render_options_for(const RenderArguments& arguments, const SceneDescription& scene) {

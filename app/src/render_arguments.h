@@ -14,7 +14,7 @@ class App;
 
 namespace vrc {
 
-/// What the user asked `vrc render` to do.
+/// What the user asked `vrc render` or `vrc records` to do.
 struct RenderArguments {
   std::filesystem::path scene;
   SceneReadOptions scene_options;
@@ -24,19 +24,22 @@ struct RenderArguments {
   int threads = 0;                       ///< 0: every processor.
   bool quiet = false;
 
-  std::vector<std::filesystem::path> images;  ///< .exr and .png
-  std::optional<std::filesystem::path> record_map, record_ellipses, stats;
+  std::vector<std::filesystem::path> images;       ///< .exr and .png
+  std::vector<std::filesystem::path> record_maps;  ///< .ply, .vtp and .csv
+  std::optional<std::filesystem::path> record_ellipses, record_overlay, stats;
   std::optional<std::filesystem::path> reference;
   double exposure = 0.0;  ///< Of PNG files, in powers of two.
 };
 
-/// Declares the options of the command on `command`; parsing fills `arguments`, which must live as
+/// Declare the options of the command on `command`; parsing fills `arguments`, which must live as
 /// long as `command`.
 void declare_render_options(CLI::App& command, RenderArguments& arguments);
+void declare_records_options(CLI::App& command, RenderArguments& arguments);
 
-/// Throws InputError when a file cannot be written where it is wanted, has an unknown type, would
+/// Throw InputError when a file cannot be written where it is wanted, has an unknown type, would
 /// replace an input or another output, or when options do not go together.
 void check_render_arguments(const RenderArguments& arguments);
+void check_records_arguments(const RenderArguments& arguments);
 
 /// Completes `arguments.render` by what the scene says. Throws InputError when the crop window lies
 /// outside the film.

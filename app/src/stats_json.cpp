@@ -41,12 +41,25 @@ std::string_view name_of(Component component) {
   VRC_CHECK(false, "component {}", static_cast<int>(component));
 }
 
+RecordClasses count_classes(std::span<const RadianceRecord> records) {
+  RecordClasses classes;
+  for (const RadianceRecord& record : records) {
+    ++classes.reasons[static_cast<std::size_t>(record.curvature.reason)];
+    if (record.curvature.needs_sh()) ++classes.needs_sh;
+  }
+  return classes;
+}
+
 std::string stats_json(const RunReport& report) {
   using Json = nlohmann::ordered_json;
   const RenderStats& stats = report.stats;
   Json phases = Json::array();
   for (const PhaseTime& phase : stats.phases) {
     phases.push_back({{"name", phase.name}, {"seconds", phase.seconds}, {"cpu_seconds", phase.cpu_seconds}});
+  }
+  Json reasons = Json::object();
+  for (std::size_t i = 0; i < kCurvatureReasons; ++i) {
+    reasons[std::string(name_of(static_cast<CurvatureReason>(i)))] = report.classes.reasons[i];
   }
   Json json{
       {"version", kVersion},
@@ -65,6 +78,8 @@ std::string stats_json(const RunReport& report) {
       {"cpu_seconds", report.cpu_seconds},
       {"phases", std::move(phases)},
       {"records", stats.records},
+      {"records_needing_sh", report.classes.needs_sh},
+      {"records_by_curvature", std::move(reasons)},
       {"gather_rays", stats.gather_rays},
       {"shadow_rays", stats.shadow_rays},
       {"camera_rays", stats.camera_rays},
@@ -80,7 +95,8 @@ std::string stats_json(const RunReport& report) {
 std::string summary_line(const RunReport& report) {
   std::string line = fmt::format("{:.2f} s, {:.2f} CPU s", report.seconds, report.cpu_seconds);
   if (report.options.method == Method::kCache) {
-    line += fmt::format(", {} records", report.stats.records);
+    line += fmt::format(", {} records ({} SH by the paper's rule)", report.stats.records,
+                        report.classes.needs_sh);
   }
   line +=
       fmt::format(", {}rays ({}rays/s), {} MB", short_count(static_cast<double>(total_rays(report.stats))),

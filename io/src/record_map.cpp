@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "io/record_map.h"
 
-#include <bit>
 #include <cmath>
-#include <initializer_list>
+#include <limits>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
-#include "io/atomic_file.h"
 #include "io/color.h"
 
 namespace vrc {
@@ -17,38 +16,7 @@ namespace {
 
 using Color8 = std::array<std::uint8_t, 3>;
 constexpr Color8 kShColor{214, 39, 40};
-
-/// Collects a binary PLY in the byte order of this machine, which the header names.
-class PlyBuilder {
- public:
-  explicit PlyBuilder(const std::string& comment)
-      : bytes_(fmt::format(
-            "ply\nformat {} 1.0\ncomment {}\n",
-            std::endian::native == std::endian::little ? "binary_little_endian" : "binary_big_endian",
-            comment)) {}
-  void element(const char* name, std::size_t count) { bytes_ += fmt::format("element {} {}\n", name, count); }
-  void properties(const char* type, std::initializer_list<const char*> names) {
-    for (const char* name : names) bytes_ += fmt::format("property {} {}\n", type, name);
-  }
-  void end_header() { bytes_ += "end_header\n"; }
-
-  template <typename T>
-  requires std::is_arithmetic_v<T>
-  void put(T value) {
-    const auto raw = std::bit_cast<std::array<char, sizeof(T)>>(value);
-    bytes_.append(raw.data(), raw.size());
-  }
-  void put(const Vec3f& v) {
-    for (int i = 0; i < 3; ++i) put(v[i]);
-  }
-  void put(const Color8& color) {
-    for (const std::uint8_t c : color) put(c);
-  }
-  [[nodiscard]] const std::string& bytes() const { return bytes_; }
-
- private:
-  std::string bytes_;
-};
+constexpr Color8 kNeedsShColor{230, 94, 0};
 
 float mean_radius(const RecordMapEntry& record) { return std::sqrt(record.radius1 * record.radius2); }
 
@@ -77,88 +45,140 @@ std::vector<Color8> record_colors(std::span<const RecordMapEntry> records) {
   return colors;
 }
 
-void put_record(PlyBuilder& ply, const RecordMapEntry& record, const Color8& color) {
-  ply.put(record.position);
-  ply.put(record.normal);
-  ply.put(color);
-  ply.put(largest_curvature(record.hessian));
-  ply.put(mean_radius(record));
-  ply.put(record.radius1);
-  ply.put(record.radius2);
-  ply.put(record.axis1);
-  ply.put(record.axis2);
-  ply.put(Vec3f(record.radiance.matrix()));
-  ply.put(record.gradient[0]);
-  ply.put(record.gradient[1]);
-  ply.put(record.hessian);
-  ply.put(record.is_sh);
-  ply.put(record.region);
-  ply.put(record.face);
+/// Collects arrays with a value for each record.
+class RecordArrays {
+ public:
+  explicit RecordArrays(std::span<const RecordMapEntry> records) : records_(records) {}
+
+  /// `get(record)` is a vector.
+  template <typename Get>
+  void vector(const std::string& name, std::vector<std::string> components, const Get& get) {
+    std::vector<float> values;
+    values.reserve(components.size() * records_.size());
+    for (const RecordMapEntry& record : records_) {
+      const auto& value = get(record);
+      for (Eigen::Index i = 0; i < value.size(); ++i) values.push_back(value[i]);
+    }
+    arrays_.push_back({name, std::move(components), std::move(values)});
+  }
+  template <typename Get>
+  void scalar(const std::string& name, const Get& get) {
+    numbers<float>(name, get);
+  }
+  template <typename T, typename Get>
+  void numbers(const std::string& name, const Get& get, std::vector<std::string> words = {}) {
+    std::vector<T> values;
+    values.reserve(records_.size());
+    for (const RecordMapEntry& record : records_) values.push_back(static_cast<T>(get(record)));
+    arrays_.push_back({name, {name}, std::move(values), std::move(words)});
+  }
+  void add(SurfaceArray array) { arrays_.push_back(std::move(array)); }
+  [[nodiscard]] std::vector<SurfaceArray> take() { return std::move(arrays_); }
+
+ private:
+  std::span<const RecordMapEntry> records_;
+  std::vector<SurfaceArray> arrays_;
+};
+
+void append(std::vector<std::uint8_t>& values, const Color8& color) {
+  values.insert(values.end(), color.begin(), color.end());
 }
 
-void put_ellipse_vertices(PlyBuilder& ply, const RecordMapEntry& record, const Color8& color, int segments) {
-  const auto put_vertex = [&](const Vec3f& position) {
-    ply.put(position);
-    ply.put(record.normal);
-    ply.put(color);
-    ply.put(mean_radius(record));
-  };
-  // Counter-clockwise when seen from the side of the normal, whichever way the axes turn.
-  const bool right_handed = record.axis1.cross(record.axis2).dot(record.normal) >= 0.0f;
-  const Vec3f side = (right_handed ? record.radius2 : -record.radius2) * record.axis2;
-  put_vertex(record.position);
-  for (int i = 0; i < segments; ++i) {
-    const float angle = 2.0f * kPiF * static_cast<float>(i) / static_cast<float>(segments);
-    put_vertex(record.position + std::cos(angle) * record.radius1 * record.axis1 + std::sin(angle) * side);
-  }
+SurfaceArray color_array(std::vector<std::uint8_t> values) {
+  return {"color", {"red", "green", "blue"}, std::move(values)};
 }
 
-void put_ellipse_faces(PlyBuilder& ply, std::uint32_t centre, int segments) {
-  const auto count = static_cast<std::uint32_t>(segments);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    ply.put(std::uint8_t{3});
-    ply.put(centre);
-    ply.put(centre + 1 + i);
-    ply.put(centre + 1 + (i + 1) % count);
+std::vector<std::string> reason_words() {
+  std::vector<std::string> words;
+  for (std::size_t i = 0; i < kCurvatureReasons; ++i) {
+    words.emplace_back(name_of(static_cast<CurvatureReason>(i)));
   }
+  return words;
+}
+
+void add_radiance(RecordArrays& a) {
+  a.vector("radiance", {"L_r", "L_g", "L_b"}, [](const auto& r) { return r.radiance; });
+  a.scalar("L_stddev", [](const auto& r) { return r.luminance_deviation; });
+  a.vector("gradient", {"g1", "g2"}, [](const auto& r) { return r.gradient; });
+  a.vector("hessian", {"h11", "h12", "h22"}, [](const auto& r) { return r.hessian; });
+  a.scalar("clamp_factor", [](const auto& r) { return r.clamp_factor; });
+  a.scalar("nearest_hit", [](const auto& r) { return r.nearest_hit; });
+  a.scalar("mean_hit", [](const auto& r) { return r.mean_hit; });
+}
+
+void add_curvature(RecordArrays& a) {
+  a.scalar("deviation", [](const auto& r) { return r.curvature.deviation; });
+  a.scalar("curvature", [](const auto& r) { return r.curvature.curvature; });
+  a.scalar("relative_curvature", [](const auto& r) { return r.curvature.relative_curvature; });
+  a.scalar("exponent", [](const auto& r) { return r.curvature.exponent; });
+  a.numbers<std::uint8_t>(
+      "reason", [](const auto& r) { return r.curvature.reason; }, reason_words());
+  a.numbers<std::uint8_t>("is_sh", [](const auto& r) { return r.is_sh; });
+  a.numbers<std::uint8_t>("needs_sh", [](const auto& r) { return r.curvature.needs_sh(); });
+}
+
+/// kInvalidIndex becomes -1.
+void add_place(RecordArrays& a) {
+  a.numbers<std::int32_t>("region", [](const auto& r) { return r.region; });
+  a.numbers<std::int32_t>("face", [](const auto& r) { return r.face; });
+  a.numbers<std::int32_t>("patch", [](const auto& r) { return r.patch; });
+  a.vector("uv", {"u", "v"}, [](const auto& r) { return r.uv; });
 }
 
 }  // namespace
 
-void write_record_map(const std::filesystem::path& path, std::span<const RecordMapEntry> records) {
-  PlyBuilder ply("vrc cache records; quality: largest |eigenvalue| of the luminance Hessian");
-  ply.element("vertex", records.size());
-  ply.properties("float", {"x", "y", "z", "nx", "ny", "nz"});
-  ply.properties("uchar", {"red", "green", "blue"});
-  ply.properties("float", {"quality", "radius", "r1", "r2", "e1x", "e1y", "e1z", "e2x", "e2y", "e2z", "L_r",
-                           "L_g", "L_b", "g1", "g2", "h11", "h12", "h22"});
-  ply.properties("uchar", {"is_sh"});
-  ply.properties("uint", {"region", "face"});
-  ply.end_header();
-  const std::vector<Color8> colors = record_colors(records);
-  for (std::size_t i = 0; i < records.size(); ++i) put_record(ply, records[i], colors[i]);
-  write_file_atomically(path, ply.bytes());
+SurfaceExport record_map(std::span<const RecordMapEntry> records) {
+  SurfaceExport points;
+  points.comment = "vrc cache records; quality: largest |eigenvalue| of the luminance Hessian";
+  for (const RecordMapEntry& record : records) points.positions.push_back(record.position);
+  std::vector<std::uint8_t> colors;
+  for (const Color8& color : record_colors(records)) append(colors, color);
+  RecordArrays a(records);
+  a.vector("Normals", {"nx", "ny", "nz"}, [](const auto& r) { return r.normal; });
+  a.add(color_array(std::move(colors)));
+  a.scalar("quality", [](const auto& r) { return largest_curvature(r.hessian); });
+  a.scalar("radius", mean_radius);
+  a.scalar("r1", [](const auto& r) { return r.radius1; });
+  a.scalar("r2", [](const auto& r) { return r.radius2; });
+  a.vector("e1", {"e1x", "e1y", "e1z"}, [](const auto& r) { return r.axis1; });
+  a.vector("e2", {"e2x", "e2y", "e2z"}, [](const auto& r) { return r.axis2; });
+  add_radiance(a);
+  add_curvature(a);
+  add_place(a);
+  points.vertex_arrays = a.take();
+  return points;
 }
 
-void write_record_ellipses(const std::filesystem::path& path, std::span<const RecordMapEntry> records,
-                           int segments) {
-  VRC_CHECK(segments >= 3, "{} segments", segments);
-  const auto count = static_cast<std::size_t>(segments);
-  VRC_CHECK(records.size() <= kInvalidIndex / (count + 1), "{} records", records.size());
-  PlyBuilder ply("vrc valid regions of cache records; quality: mean radius");
-  ply.element("vertex", records.size() * (count + 1));
-  ply.properties("float", {"x", "y", "z", "nx", "ny", "nz"});
-  ply.properties("uchar", {"red", "green", "blue"});
-  ply.properties("float", {"quality"});
-  ply.element("face", records.size() * count);
-  ply.properties("list uchar uint", {"vertex_indices"});
-  ply.end_header();
-  const std::vector<Color8> colors = record_colors(records);
-  for (std::size_t i = 0; i < records.size(); ++i) put_ellipse_vertices(ply, records[i], colors[i], segments);
+SurfaceExport record_ellipses(std::span<const RecordMapEntry> records,
+                              std::span<const EllipseTessellation> ellipses) {
+  VRC_CHECK(records.size() == ellipses.size(), "{} ellipses of {} records", ellipses.size(), records.size());
+  SurfaceExport surface;
+  surface.comment = "vrc valid regions of cache records on the surface; quality: mean radius";
+  std::vector<float> normals, quality;
+  std::vector<std::uint8_t> colors, needs_sh;
+  std::vector<std::int32_t> numbers;
+  const std::vector<Color8> by_size = record_colors(records);
   for (std::size_t i = 0; i < records.size(); ++i) {
-    put_ellipse_faces(ply, static_cast<std::uint32_t>(i * (count + 1)), segments);
+    const EllipseTessellation& ellipse = ellipses[i];
+    const bool orange = records[i].is_sh == 0 && records[i].curvature.needs_sh();
+    const auto base = static_cast<std::uint32_t>(surface.positions.size());
+    for (const auto& [a, b, c] : ellipse.triangles)
+      surface.triangles.push_back({base + a, base + b, base + c});
+    for (std::size_t v = 0; v < ellipse.positions.size(); ++v) {
+      surface.positions.push_back(ellipse.positions[v].cast<float>());
+      for (const double n : ellipse.normals[v]) normals.push_back(static_cast<float>(n));
+      append(colors, orange ? kNeedsShColor : by_size[i]);
+      quality.push_back(mean_radius(records[i]));
+      numbers.push_back(static_cast<std::int32_t>(i));
+      needs_sh.push_back(records[i].curvature.needs_sh() ? 1 : 0);
+    }
   }
-  write_file_atomically(path, ply.bytes());
+  surface.vertex_arrays = {{"Normals", {"nx", "ny", "nz"}, std::move(normals)},
+                           color_array(std::move(colors)),
+                           {"quality", {"quality"}, std::move(quality)},
+                           {"record", {"record"}, std::move(numbers)},
+                           {"needs_sh", {"needs_sh"}, std::move(needs_sh)}};
+  return surface;
 }
 
 }  // namespace vrc

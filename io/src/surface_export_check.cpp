@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "surface_export_check.h"
 
+#include <limits>
+
 #include "core/error.h"
 
 namespace vrc {
@@ -21,6 +23,8 @@ void check_surface_export(const SurfaceExport& surface) {
             "comment '{}'", comment);
   check_arrays(surface.vertex_arrays, surface.positions.size());
   check_arrays(surface.face_arrays, surface.triangles.size());
+  VRC_CHECK(surface.positions.size() <= std::numeric_limits<std::int32_t>::max(), "{} vertices",
+            surface.positions.size());
   for (const Triangle& triangle : surface.triangles) {
     for (const std::uint32_t v : triangle) {
       VRC_CHECK(v < surface.positions.size(), "vertex {} of {}", v, surface.positions.size());

@@ -8,4 +8,8 @@ namespace vrc {
 /// Fails as a broken invariant where an array does not fit the mesh or an index is out of range.
 void check_surface_export(const SurfaceExport& surface);
 
+[[nodiscard]] inline bool is_point_cloud(const SurfaceExport& surface) {
+  return surface.triangles.empty() && surface.face_arrays.empty();
+}
+
 }  // namespace vrc

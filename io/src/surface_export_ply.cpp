@@ -48,8 +48,10 @@ std::string header_of(const SurfaceExport& surface) {
   if (!surface.comment.empty()) header += "comment " + surface.comment + "\n";
   header += fmt::format("element vertex {}\n", surface.positions.size());
   header += "property float x\nproperty float y\nproperty float z\n" + property_lines(surface.vertex_arrays);
-  header += fmt::format("element face {}\n", surface.triangles.size());
-  header += "property list uchar int vertex_indices\n" + property_lines(surface.face_arrays);
+  if (!is_point_cloud(surface)) {
+    header += fmt::format("element face {}\n", surface.triangles.size());
+    header += "property list uchar int vertex_indices\n" + property_lines(surface.face_arrays);
+  }
   return header + "end_header\n";
 }
 

@@ -90,6 +90,16 @@ void append_arrays(std::string& xml, const char* tag, const std::vector<SurfaceA
   xml += fmt::format("</{}>\n", tag);
 }
 
+void append_points_as_cells(std::string& xml, std::size_t count) {
+  std::vector<std::int32_t> connectivity(count), offsets(count);
+  std::iota(connectivity.begin(), connectivity.end(), 0);
+  std::iota(offsets.begin(), offsets.end(), 1);
+  xml += "<Verts>\n";
+  append_data_array(xml, "connectivity", 1, connectivity);
+  append_data_array(xml, "offsets", 1, offsets);
+  xml += "</Verts>\n";
+}
+
 void append_polygons(std::string& xml, const std::vector<Triangle>& triangles) {
   std::vector<std::int32_t> connectivity, offsets;
   connectivity.reserve(3 * triangles.size());
@@ -109,14 +119,15 @@ void append_polygons(std::string& xml, const std::vector<Triangle>& triangles) {
 void write_surface_vtp(const std::filesystem::path& path, const SurfaceExport& surface) {
   check_surface_export(surface);
   constexpr bool kLittle = std::endian::native == std::endian::little;
+  const std::size_t points_as_cells = is_point_cloud(surface) ? surface.positions.size() : 0;
   std::string xml = "<?xml version=\"1.0\"?>\n";
   if (!surface.comment.empty()) xml += "<!-- " + surface.comment + " -->\n";
   xml += fmt::format(R"(<VTKFile type="PolyData" version="1.0" byte_order="{}" header_type="UInt64">)",
                      kLittle ? "LittleEndian" : "BigEndian");
   xml += fmt::format(
-      "\n<PolyData>\n<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"0\" "
+      "\n<PolyData>\n<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"0\" "
       "NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
-      surface.positions.size(), surface.triangles.size());
+      surface.positions.size(), points_as_cells, surface.triangles.size());
   append_arrays(xml, "PointData", surface.vertex_arrays);
   append_arrays(xml, "CellData", surface.face_arrays);
   std::vector<float> coordinates;
@@ -125,6 +136,7 @@ void write_surface_vtp(const std::filesystem::path& path, const SurfaceExport& s
   xml += "<Points>\n";
   append_data_array(xml, "Points", 3, coordinates);
   xml += "</Points>\n";
+  append_points_as_cells(xml, points_as_cells);
   append_polygons(xml, surface.triangles);
   xml += "</Piece>\n</PolyData>\n</VTKFile>\n";
   write_file_atomically(path, xml);

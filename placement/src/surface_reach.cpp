@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "geometry/region_index.h"
-#include "geometry/surface_walker.h"
 
 namespace vrc {
 namespace {
@@ -15,18 +14,19 @@ constexpr double kMargin = 1.05;
 constexpr double kDeviationMargin = 0.01;  // normals may be turned a little towards the viewer
 constexpr std::size_t kMaxFaces = 1 << 14;
 
-SurfaceEllipse ellipse_of(const Scene& scene, std::size_t surface, const SurfacePoint& point,
-                          const ValidRegion& region, double support) {
+}  // namespace
+
+SurfaceEllipse surface_ellipse(const Scene& scene, const SurfacePoint& point, const ValidRegion& region,
+                               double support) {
   SurfaceEllipse ellipse;
-  ellipse.face = point.triangle - scene.first_triangle(surface);
+  ellipse.face = point.triangle - scene.first_triangle(scene.surface_of(point.triangle));
   const double u = static_cast<double>(point.u), v = static_cast<double>(point.v);
   ellipse.barycentric = Vec3(1.0 - u - v, u, v);
-  ellipse.frame = {region.axis1, region.axis2, region.normal};
+  // The eigenvectors may form a left-handed pair; the walk unfolds in a right-handed one.
+  ellipse.frame = {region.axis1, region.normal.cross(region.axis1), region.normal};
   ellipse.radii = support * Vec2(region.radius1, region.radius2);
   return ellipse;
 }
-
-}  // namespace
 
 std::vector<std::uint32_t> make_hash_slots(std::span<const std::uint32_t> numbers) {
   std::vector<std::uint32_t> slots(std::bit_ceil(std::max<std::size_t>(4, 2 * numbers.size())),
@@ -52,8 +52,8 @@ SurfaceReach reach_over_surface(const SceneCharts& charts, const SurfacePoint& p
   // The weight of eq. 14 is positive up to k = 1 / k_r, and takes the tangent projection of a distance,
   // which on an arc is shorter than what the walk measures along the surface.
   const double arc = turn / std::max(std::sin(turn), 1e-3);
-  const SurfaceEllipse ellipse = ellipse_of(scene, surface, point, region,
-                                            kMargin * std::max(arc, 1.0) * support / region.cos_max_deviation);
+  const SurfaceEllipse ellipse = surface_ellipse(
+      scene, point, region, kMargin * std::max(arc, 1.0) * support / region.cos_max_deviation);
   const SurfaceWalk walk = walk_surface(scene.surface_mesh(surface), ellipse, options);
 
   SurfaceReach reach;
@@ -77,7 +77,7 @@ double walked_deviation(const SceneCharts& charts, const SurfacePoint& point, co
   const std::size_t surface = scene.surface_of(point.triangle);
   SurfaceWalkOptions options;
   options.max_faces = kMaxFaces;
-  return walk_surface(scene.surface_mesh(surface), ellipse_of(scene, surface, point, region, 1.0), options)
+  return walk_surface(scene.surface_mesh(surface), surface_ellipse(scene, point, region, 1.0), options)
       .normal_deviation;
 }
 

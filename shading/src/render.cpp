@@ -61,6 +61,18 @@ class Renderer {
     RenderResult result;
     result.image = Image(scene_.camera().width, scene_.camera().height, layers_.names);
     if (options_.method == Method::kCache && wants_indirect_) place(result);
+    if (options_.shade) shade_tiles(result);
+    result.stats.gather_rays = counts_.gather;
+    result.stats.shadow_rays = counts_.shadow;
+    result.stats.camera_rays = counts_.camera;
+    result.stats.other_rays = counts_.other;
+    result.stats.unfinished |= control_.stopped();
+    result.cache = std::move(cache_);
+    return result;
+  }
+
+ private:
+  void shade_tiles(RenderResult& result) {
     PhaseTimer timer("render");
     std::vector<RayCounts> counts(layout_.count());
     std::atomic<std::size_t> done{0};
@@ -76,16 +88,8 @@ class Renderer {
     });
     result.stats.phases.push_back(timer.elapsed());
     for (const RayCounts& c : counts) counts_ += c;
-    result.stats.gather_rays = counts_.gather;
-    result.stats.shadow_rays = counts_.shadow;
-    result.stats.camera_rays = counts_.camera;
-    result.stats.other_rays = counts_.other;
-    result.stats.unfinished |= control_.stopped();
-    result.cache = std::move(cache_);
-    return result;
   }
 
- private:
   void place(RenderResult& result) {
     const PlacementView view = {layout_.x0, layout_.y0, layout_.x1, layout_.y1, &film_};
     PlacementResult placed =

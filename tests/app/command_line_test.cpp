@@ -34,7 +34,7 @@ TEST(CommandLine, HelpNamesEveryCommandAndGivesAnExample) {
   const auto result = run_vrc({"--help"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.out, testing::AllOf(HasSubstr("render"), HasSubstr("compare"), HasSubstr("Examples:")));
-  for (const char* command : {"render", "compare"}) {
+  for (const char* command : {"render", "records", "compare"}) {
     const auto help = run_vrc({command, "--help"});
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_THAT(help.out, testing::AllOf(HasSubstr("Examples:"), HasSubstr(std::string("vrc ") + command)));
@@ -61,6 +61,7 @@ TEST(CommandLine, RenderHelpListsEveryOption) {
                              "--max-normal-deviation",
                              "--record-map",
                              "--record-ellipses",
+                             "--record-overlay",
                              "--stats",
                              "--reference",
                              "--crop",
@@ -185,6 +186,21 @@ TEST(CommandLineErrors, OfFiles) {
        UsageError{render_with({"--stats", "%/scene.xml"}), "is an input of this command"},
        UsageError{render_with({"--record-map", "%/no/map.ply"}), "does not exist"},
        UsageError{render_with({"--record-map", "%/map.ply", "--method", "path"}), "need --method cache"},
+       UsageError{render_with({"--record-map", "%/map.xyz"}), "written as .ply, .vtp or .csv"},
+       UsageError{render_with({"--record-ellipses", "%/map.csv"}), "written as .ply or .vtp"},
+       UsageError{render_with({"--record-overlay", "%/map.exr"}), "written as .png"},
+       UsageError{render_with({"--record-overlay", "%/o.png", "--method", "path"}), "need --method cache"},
+       UsageError{render_with({"--record-map", "%/a.ply", "--record-ellipses", "%/a.ply"}),
+                  "named for two outputs"},
+       UsageError{{"records", "%/scene.xml"}, "give a file to write"},
+       UsageError{{"records", "%/none.xml", "-o", "%/a.ply"}, "none.xml: no such file"},
+       UsageError{{"records", "%/scene.xml", "-o", "%/a.exr"},
+                  "record maps are written as .ply, .vtp or .csv"},
+       UsageError{{"records", "%/scene.xml", "-o", "%/no/a.csv"}, "does not exist"},
+       UsageError{{"records", "%/scene.xml", "-o", "%/a.ply", "--ellipses", "%/a.csv"}, ".ply or .vtp"},
+       UsageError{{"records", "%/scene.xml", "--overlay", "%/a.ply"}, "overlays are written as .png"},
+       UsageError{{"records", "%/scene.xml", "-o", "%/a.ply", "--overlay", "%/a.ply"}, "written as .png"},
+       UsageError{{"records", "%/scene.xml", "-o", "%/a.ply", "--method", "path"}, "--method"},
        UsageError{render_with({"--reference", "%/none.exr"}), "none.exr: no such file"},
        UsageError{render_with({"--reference", "%/scene.xml"}), "cannot be read as an image"},
        UsageError{{"compare", "%/none.exr", "%/none.exr"}, "none.exr: no such file"},

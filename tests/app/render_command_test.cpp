@@ -64,6 +64,8 @@ TEST_F(RenderCommand, WritesEveryOutputItWasAskedFor) {
   EXPECT_EQ(json.at("unfinished"), false);
   EXPECT_FALSE(json.contains("relmse"));
   EXPECT_GT(json.at("records"), 0);
+  EXPECT_EQ(json.at("records_needing_sh"), 0);
+  EXPECT_EQ(json.at("records_by_curvature").at("flat"), json.at("records"));
   EXPECT_GT(json.at("gather_rays"), 0);
   EXPECT_GT(json.at("peak_memory_bytes"), 1 << 20);
   double phases = 0.0;

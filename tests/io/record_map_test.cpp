@@ -4,65 +4,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <cstring>
+#include <limits>
 #include <map>
 #include <sstream>
 #include <vector>
 
 #include "core/error.h"
+#include "exported_ply.h"
 #include "support.h"
 
 namespace vrc {
 namespace {
 
-/// A slow reader of the two kinds of PLY written here: elements of named scalars, then triangles.
-struct SimplePly {
-  std::size_t vertex_count = 0, face_count = 0;
-  std::vector<std::map<std::string, double>> vertices;
-  std::vector<std::array<std::uint32_t, 3>> faces;
-};
-
-template <typename T>
-T take(const std::string& bytes, std::size_t& at) {
-  T value;
-  if (at + sizeof(T) > bytes.size()) throw std::runtime_error("PLY is too short");
-  std::memcpy(&value, bytes.data() + at, sizeof(T));
-  at += sizeof(T);
-  return value;
-}
-
-SimplePly read_simple_ply(const std::filesystem::path& path) {
-  const std::string bytes = test::read_file(path);
-  const std::size_t end = bytes.find("end_header\n");
-  if (end == std::string::npos) throw std::runtime_error("no header");
-  std::istringstream header(bytes.substr(0, end));
-  SimplePly ply;
-  std::vector<std::pair<std::string, std::string>> properties;
-  for (std::string line; std::getline(header, line);) {
-    std::istringstream words(line);
-    std::string keyword, type, name;
-    words >> keyword >> type >> name;
-    if (keyword == "element") (type == "vertex" ? ply.vertex_count : ply.face_count) = std::stoul(name);
-    if (keyword == "property" && type != "list") properties.emplace_back(type, name);
-  }
-  std::size_t at = end + std::strlen("end_header\n");
-  for (std::size_t v = 0; v < ply.vertex_count; ++v) {
-    auto& vertex = ply.vertices.emplace_back();
-    for (const auto& [type, name] : properties) {
-      if (type == "float") vertex[name] = static_cast<double>(take<float>(bytes, at));
-      if (type == "uchar") vertex[name] = take<std::uint8_t>(bytes, at);
-      if (type == "uint") vertex[name] = take<std::uint32_t>(bytes, at);
-    }
-  }
-  for (std::size_t f = 0; f < ply.face_count; ++f) {
-    EXPECT_EQ(take<std::uint8_t>(bytes, at), 3);
-    auto& face = ply.faces.emplace_back();
-    for (auto& index : face) index = take<std::uint32_t>(bytes, at);
-  }
-  EXPECT_EQ(at, bytes.size());
-  return ply;
-}
+using testing::ElementsAre;
 
 std::vector<RecordMapEntry> two_records() {
   RecordMapEntry a;
@@ -73,91 +27,165 @@ std::vector<RecordMapEntry> two_records() {
   a.radius1 = 0.5f;
   a.radius2 = 0.125f;
   a.radiance = {0.1f, 0.2f, 0.3f};
+  a.luminance_deviation = 0.01f;
   a.gradient = {4, 5};
   a.hessian = {3, 0, -7};
+  a.clamp_factor = 0.75f;
+  a.nearest_hit = 0.5f;
+  a.mean_hit = 2.5f;
+  a.curvature = {0.25, 2.0, 5.0, 40.0, CurvatureReason::kEllipseTurns};
   a.region = 4;
   a.face = 123456;
+  a.patch = 9;
+  a.uv = {-1.5f, 0.1f};
   RecordMapEntry b = a;
   b.position = {-1, 0, 0};
-  b.axis2 = -a.axis2;  // Left-handed axes.
   b.radius1 = 4.0f;
   b.radius2 = 1.0f;
   b.hessian = {1, 2, 1};
+  b.curvature = {};
+  b.nearest_hit = std::numeric_limits<float>::infinity();
+  b.patch = kInvalidIndex;
   return {a, b};
+}
+
+const std::map<std::string, double>& first_record() {
+  static const std::map<std::string, double> values{{"x", 1},
+                                                    {"y", 2},
+                                                    {"z", 3},
+                                                    {"nx", 0},
+                                                    {"ny", 0},
+                                                    {"nz", 1},
+                                                    {"r1", 0.5},
+                                                    {"r2", 0.125},
+                                                    {"radius", 0.25},
+                                                    {"e1x", 0.6},
+                                                    {"e1y", 0.8},
+                                                    {"e1z", 0},
+                                                    {"e2x", -0.8},
+                                                    {"e2y", 0.6},
+                                                    {"e2z", 0},
+                                                    {"L_r", 0.1},
+                                                    {"L_g", 0.2},
+                                                    {"L_b", 0.3},
+                                                    {"L_stddev", 0.01},
+                                                    {"g1", 4},
+                                                    {"g2", 5},
+                                                    {"h11", 3},
+                                                    {"h12", 0},
+                                                    {"h22", -7},
+                                                    {"quality", 7},
+                                                    {"is_sh", 0},
+                                                    {"needs_sh", 1},
+                                                    {"deviation", 0.25},
+                                                    {"curvature", 2},
+                                                    {"relative_curvature", 5},
+                                                    {"exponent", 40},
+                                                    {"reason", 2},
+                                                    {"clamp_factor", 0.75},
+                                                    {"nearest_hit", 0.5},
+                                                    {"mean_hit", 2.5},
+                                                    {"region", 4},
+                                                    {"face", 123456},
+                                                    {"patch", 9},
+                                                    {"u", -1.5},
+                                                    {"v", 0.1}};
+  return values;
 }
 
 TEST(RecordMap, HoldsEveryFieldUnderItsName) {
   const test::TempDir folder;
   auto records = two_records();
   records[1].is_sh = 1;
-  write_record_map(folder / "map.ply", records);
-  const SimplePly ply = read_simple_ply(folder / "map.ply");
+  write_surface(folder / "map.ply", record_map(records));
+  const test::ExportedPly ply = test::read_exported_ply(folder / "map.ply");
   ASSERT_EQ(ply.vertices.size(), 2u);
-  const auto& v = ply.vertices[0];
-  const std::map<std::string, double> expected{
-      {"x", 1},      {"y", 2},         {"z", 3},         {"nx", 0},    {"ny", 0},    {"nz", 1},
-      {"r1", 0.5},   {"r2", 0.125},    {"radius", 0.25}, {"e1x", 0.6}, {"e1y", 0.8}, {"e1z", 0},
-      {"e2x", -0.8}, {"e2y", 0.6},     {"e2z", 0},       {"L_r", 0.1}, {"L_g", 0.2}, {"L_b", 0.3},
-      {"g1", 4},     {"g2", 5},        {"h11", 3},       {"h12", 0},   {"h22", -7},  {"is_sh", 0},
-      {"region", 4}, {"face", 123456}, {"quality", 7}};
-  for (const auto& [name, value] : expected) {
-    ASSERT_TRUE(v.contains(name)) << name;
-    EXPECT_NEAR(v.at(name), value, 1e-6) << name;
+  for (const auto& [name, value] : first_record()) {
+    ASSERT_TRUE(ply.vertices[0].contains(name)) << name;
+    EXPECT_NEAR(ply.vertices[0].at(name), value, 1e-6) << name;
   }
-  EXPECT_EQ(v.size(), expected.size() + 3);               // and the colour
-  EXPECT_NEAR(ply.vertices[1].at("quality"), 3.0, 1e-5);  // of the matrix 1 2 / 2 1
+  EXPECT_EQ(ply.vertices[0].size(), first_record().size() + 3);  // and the colour
+  EXPECT_NEAR(ply.vertices[1].at("quality"), 3.0, 1e-5);         // of the matrix 1 2 / 2 1
   EXPECT_EQ(ply.vertices[1].at("is_sh"), 1);
+  EXPECT_EQ(ply.vertices[1].at("needs_sh"), 0);
+  EXPECT_EQ(ply.vertices[1].at("patch"), -1);
 }
 
-TEST(RecordMap, ColoursGrowLighterWithTheRadius) {
-  const test::TempDir folder;
-  write_record_map(folder / "map.ply", two_records());
-  const SimplePly ply = read_simple_ply(folder / "map.ply");
-  EXPECT_LT(ply.vertices[0].at("green") + 100, ply.vertices[1].at("green"));
+std::vector<std::string> cells(const std::string& line) {
+  std::istringstream in(line);
+  std::vector<std::string> result;
+  for (std::string cell; std::getline(in, cell, ',');) result.push_back(cell);
+  return result;
 }
 
-TEST(RecordMap, OfNoRecordsIsAnEmptyPly) {
+TEST(RecordMap, AsCsvGivesBackEveryValueAndNamesReasons) {
   const test::TempDir folder;
-  write_record_map(folder / "map.ply", {});
-  write_record_ellipses(folder / "ellipses.ply", {});
-  EXPECT_EQ(read_simple_ply(folder / "map.ply").vertex_count, 0u);
-  EXPECT_EQ(read_simple_ply(folder / "ellipses.ply").face_count, 0u);
-}
-
-TEST(RecordEllipses, LieOnTheEllipseAndFaceTheNormal) {
-  const test::TempDir folder;
-  const auto records = two_records();
-  constexpr int kSegments = 24;
-  write_record_ellipses(folder / "ellipses.ply", records, kSegments);
-  const SimplePly ply = read_simple_ply(folder / "ellipses.ply");
-  ASSERT_EQ(ply.vertices.size(), records.size() * (kSegments + 1));
-  ASSERT_EQ(ply.faces.size(), records.size() * kSegments);
-  const auto position = [&](std::uint32_t i) {
-    return Vec3f(static_cast<float>(ply.vertices[i].at("x")), static_cast<float>(ply.vertices[i].at("y")),
-                 static_cast<float>(ply.vertices[i].at("z")));
-  };
-  double area = 0.0;
-  for (std::size_t f = 0; f < ply.faces.size(); ++f) {
-    const RecordMapEntry& record = records[f / kSegments];
-    const auto& [a, b, c] = ply.faces[f];
-    EXPECT_EQ(position(a), record.position);
-    for (const std::uint32_t corner : {b, c}) {
-      const Vec3f d = position(corner) - record.position;
-      EXPECT_NEAR(std::hypot(d.dot(record.axis1) / record.radius1, d.dot(record.axis2) / record.radius2), 1.0,
-                  1e-5);
-    }
-    const Vec3f cross = (position(b) - position(a)).cross(position(c) - position(a));
-    EXPECT_GT(cross.dot(record.normal), 0.0f);
-    area += 0.5 * static_cast<double>(cross.norm());
+  write_surface(folder / "map.CSV", record_map(two_records()));
+  std::istringstream text(test::read_file(folder / "map.CSV"));
+  std::vector<std::vector<std::string>> lines;
+  for (std::string line; std::getline(text, line);) lines.push_back(cells(line));
+  ASSERT_EQ(lines.size(), 3u);
+  std::map<std::string, std::string> first, second;
+  for (std::size_t i = 0; i < lines[0].size(); ++i) {
+    ASSERT_TRUE(first.emplace(lines[0][i], lines[1].at(i)).second) << lines[0][i];
+    second[lines[0][i]] = lines[2].at(i);
   }
-  const double inscribed = 0.5 * kSegments * std::sin(2 * kPi / kSegments);
-  EXPECT_NEAR(area, inscribed * (0.5 * 0.125 + 4.0), 1e-4);
+  for (const auto& [name, value] : first_record()) {
+    ASSERT_TRUE(first.contains(name)) << name;
+    if (name == "reason") continue;
+    EXPECT_EQ(std::stof(first.at(name)), static_cast<float>(value)) << name;
+  }
+  EXPECT_EQ(first.at("L_r"), "0.1");  // the shortest text of the float
+  EXPECT_EQ(first.at("reason"), "ellipse-turns");
+  EXPECT_EQ(second.at("reason"), "flat");
+  EXPECT_EQ(second.at("nearest_hit"), "inf");
 }
 
-TEST(RecordEllipses, RejectsFewerThanThreeSegmentsAndBadPaths) {
+TEST(RecordMap, ColoursGrowLighterWithTheRadiusAndShIsRed) {
   const test::TempDir folder;
-  EXPECT_THROW(write_record_ellipses(folder / "e.ply", two_records(), 2), std::logic_error);
-  EXPECT_THROW(write_record_map(folder / "no" / "m.ply", two_records()), InputError);
+  auto records = two_records();
+  records.push_back(records[0]);
+  records[2].is_sh = 1;
+  write_surface(folder / "map.ply", record_map(records));
+  const test::ExportedPly ply = test::read_exported_ply(folder / "map.ply");
+  EXPECT_LT(ply.vertices[0].at("green") + 100, ply.vertices[1].at("green"));
+  EXPECT_GT(ply.vertices[2].at("red"), 4 * ply.vertices[2].at("green"));
+}
+
+TEST(RecordMap, OfNoRecordsIsAnEmptyFile) {
+  const test::TempDir folder;
+  for (const char* name : {"map.ply", "map.vtp", "map.csv"}) write_surface(folder / name, record_map({}));
+  write_surface(folder / "ellipses.ply", record_ellipses({}, {}));
+  EXPECT_TRUE(test::read_exported_ply(folder / "map.ply").vertices.empty());
+  EXPECT_TRUE(test::read_exported_ply(folder / "ellipses.ply").triangles.empty());
+}
+
+TEST(RecordEllipses, NameTheirRecordsAndMarkTheirClass) {
+  const test::TempDir folder;
+  EllipseTessellation triangle;
+  triangle.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  triangle.normals.assign(3, Vec3::UnitZ());
+  triangle.triangles = {{0, 1, 2}};
+  const std::vector<EllipseTessellation> ellipses{triangle, triangle};
+  write_surface(folder / "e.ply", record_ellipses(two_records(), ellipses));
+  const test::ExportedPly ply = test::read_exported_ply(folder / "e.ply");
+  ASSERT_EQ(ply.vertices.size(), 6u);
+  EXPECT_THAT(ply.triangles, ElementsAre(ElementsAre(0, 1, 2), ElementsAre(3, 4, 5)));
+  EXPECT_EQ(ply.vertices[1].at("x"), 1.0);
+  EXPECT_EQ(ply.vertices[2].at("nz"), 1.0);
+  EXPECT_EQ(ply.vertices[2].at("record"), 0.0);
+  EXPECT_EQ(ply.vertices[2].at("needs_sh"), 1.0);
+  EXPECT_EQ(ply.vertices[2].at("red"), 230.0);  // orange
+  EXPECT_EQ(ply.vertices[5].at("record"), 1.0);
+  EXPECT_EQ(ply.vertices[5].at("needs_sh"), 0.0);
+  EXPECT_NEAR(ply.vertices[5].at("quality"), 2.0, 1e-6);
+}
+
+TEST(RecordEllipses, RejectMissingEllipsesAndBadPaths) {
+  const test::TempDir folder;
+  EXPECT_THROW(static_cast<void>(record_ellipses(two_records(), {})), std::logic_error);
+  EXPECT_THROW(write_surface(folder / "no" / "m.ply", record_map(two_records())), InputError);
+  EXPECT_THROW(write_surface(folder / "m.xyz", record_map(two_records())), std::logic_error);
 }
 
 }  // namespace

@@ -113,6 +113,38 @@ TEST(SurfaceExport, VtpIsXmlWithEveryArray) {
   EXPECT_THAT(values_of<std::int32_t>(piece.child("Polys"), "offsets"), ElementsAre(3, 6));
 }
 
+TEST(SurfaceExport, PointsAreCellsOfAVtpAndAPlyWithoutFaces) {
+  const test::TempDir folder;
+  SurfaceExport points = quad();
+  points.triangles.clear();
+  points.face_arrays.clear();
+  write_surface_ply(folder / "points.ply", points);
+  EXPECT_EQ(test::read_exported_ply(folder / "points.ply").vertices.size(), 4u);
+  EXPECT_THAT(test::read_file(folder / "points.ply"), testing::Not(HasSubstr("element face")));
+  write_surface_vtp(folder / "points.vtp", points);
+  pugi::xml_document document;
+  ASSERT_TRUE(document.load_file((folder / "points.vtp").c_str()));
+  const pugi::xml_node piece = document.child("VTKFile").child("PolyData").child("Piece");
+  EXPECT_EQ(piece.attribute("NumberOfVerts").as_int(), 4);
+  EXPECT_EQ(piece.attribute("NumberOfPolys").as_int(), 0);
+  EXPECT_THAT(values_of<std::int32_t>(piece.child("Verts"), "connectivity"), ElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(values_of<std::int32_t>(piece.child("Verts"), "offsets"), ElementsAre(1, 2, 3, 4));
+  const pugi::xml_node normals =
+      piece.child("PointData").find_child_by_attribute("DataArray", "Name", "Normals");
+  EXPECT_EQ(normals.attribute("NumberOfComponents").as_int(), 3);
+  EXPECT_EQ(values_of<float>(piece.child("PointData"), "k1").size(), 4u);
+}
+
+TEST(SurfaceExport, CsvHasALineForEachVertexAndWordsForNumbers) {
+  const test::TempDir folder;
+  SurfaceExport surface = quad();
+  surface.vertex_arrays = {{"k1", {"k1"}, std::vector<float>{0.1f, -1, 1e-30f, 3}},
+                           {"class", {"class"}, std::vector<std::uint8_t>{0, 1, 1, 9}, {"flat", "bent"}}};
+  write_surface_csv(folder / "a.csv", surface);
+  EXPECT_EQ(test::read_file(folder / "a.csv"),
+            "x,y,z,k1,class\n0,0,0,0.1,flat\n1,0,0,-1,bent\n1,2,0,1e-30,bent\n0,2,0.5,3,9\n");
+}
+
 TEST(SurfaceExport, TakesAMeshWithoutFaces) {
   const test::TempDir folder;
   write_surface_ply(folder / "empty.ply", {});

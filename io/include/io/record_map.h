@@ -3,10 +3,12 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <span>
 
 #include "core/types.h"
+#include "geometry/ellipse_tessellation.h"
+#include "io/surface_export.h"
+#include "placement/site_curvature.h"
 
 namespace vrc {
 
@@ -20,25 +22,36 @@ struct RecordMapEntry {
   float radius1 = 0.0f;  ///< Half axes of the valid region.
   float radius2 = 0.0f;
   Rgb radiance = Rgb::Zero();
+  float luminance_deviation = 0.0f;  ///< Standard deviation of the gathered luminance: its noise.
   Vec2f gradient = Vec2f::Zero();
   Vec3f hessian = Vec3f::Zero();  ///< The entries 11, 12 and 22.
+  float clamp_factor = 1.0f;      ///< < 1: how much the derivatives were reduced.
+  float nearest_hit = 0.0f;       ///< Shortest gather ray; infinite when all escaped.
+  float mean_hit = 0.0f;          ///< Harmonic mean of their lengths; infinite when all escaped.
+  SiteCurvature curvature;
   std::uint32_t region = kInvalidIndex;
-  std::uint32_t face = kInvalidIndex;  ///< Triangle of the scene.
-  std::uint8_t is_sh = 0;              ///< 1 for records that hold spherical harmonics.
+  std::uint32_t face = kInvalidIndex;   ///< Triangle of the scene.
+  std::uint32_t patch = kInvalidIndex;  ///< Chart of the scene, and where in it.
+  Vec2f uv = Vec2f::Zero();
+  std::uint8_t is_sh = 0;  ///< 1 for records that hold spherical harmonics.
 };
 
-/// Binary PLY, one vertex for each record, with the properties
+/// One point for each record, with the properties
 ///   x y z nx ny nz, red green blue, quality, radius, r1 r2, e1x e1y e1z e2x e2y e2z, L_r L_g L_b,
-///   g1 g2, h11 h12 h22, is_sh, region, face.
-/// `quality` is the largest |eigenvalue| of the Hessian and `radius` is sqrt(r1 r2). Colours map the
-/// logarithm of `radius` over the range of the file, dark for small; records of spherical harmonics
-/// are red. Throws InputError when the path cannot be written.
-void write_record_map(const std::filesystem::path& path, std::span<const RecordMapEntry> records);
+///   L_stddev, g1 g2, h11 h12 h22, clamp_factor, nearest_hit, mean_hit, deviation, curvature,
+///   relative_curvature, exponent, reason, is_sh, needs_sh, region, face, patch, u v.
+/// `quality` is the largest |eigenvalue| of the Hessian and `radius` is sqrt(r1 r2). `deviation` is the
+/// angle by which the normal turns in the region [rad], `needs_sh` is 1 where it is above theta_max, and
+/// `reason` says what decided: 0 flat, 1 turns-little, 2 ellipse-turns, 3 surface-turns, the word in
+/// .csv files. Absent numbers are -1. Colours map the logarithm of `radius` over the range of the file,
+/// dark for small; records of spherical harmonics (is_sh) are red.
+[[nodiscard]] SurfaceExport record_map(std::span<const RecordMapEntry> records);
 
-/// Binary PLY mesh of the valid regions as flat fans of `segments` triangles, with normals, the
-/// colours of `write_record_map` and `quality` (= sqrt(r1 r2)) at the vertices. `segments` >= 3.
-/// Throws InputError when the path cannot be written.
-void write_record_ellipses(const std::filesystem::path& path, std::span<const RecordMapEntry> records,
-                           int segments = 32);
+/// The records' ellipses on the surface, those of record i being ellipses[i], with the arrays
+///   nx ny nz, red green blue, quality (= sqrt(r1 r2)), record, needs_sh
+/// at the vertices. Colours are those of `record_map`, but ellipses of records that the paper would
+/// represent by spherical harmonics (needs_sh) are orange.
+[[nodiscard]] SurfaceExport record_ellipses(std::span<const RecordMapEntry> records,
+                                            std::span<const EllipseTessellation> ellipses);
 
 }  // namespace vrc

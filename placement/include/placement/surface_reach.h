@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "geometry/surface_walker.h"
 #include "placement/scene_charts.h"
 #include "placement/valid_region.h"
 
@@ -40,6 +41,10 @@ struct SurfaceReach {
            in_hash_slots(slots.data(), static_cast<std::uint32_t>(slots.size() - 1), triangle);
   }
 };
+
+/// The region's ellipse, widened `support` times, on the mesh of the surface that holds the point.
+[[nodiscard]] SurfaceEllipse surface_ellipse(const Scene& scene, const SurfacePoint& point,
+                                             const ValidRegion& region, double support);
 
 /// Walks from the record's point over the faces that the region, widened `support` times, can cover:
 /// those within the ellipse whose normals turn by at most theta_max.

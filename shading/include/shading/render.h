@@ -31,6 +31,7 @@ struct RenderOptions {
   std::uint64_t seed = 0;
   std::optional<CropWindow> crop;  ///< Pixels outside stay black.
   bool aovs = false;               ///< Adds the layers albedo, N and depth.
+  bool shade = true;               ///< false: records are placed, the picture stays black.
   CacheOptions cache;
 };
 

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <initializer_list>
+#include <string_view>
+
+#include "core/error.h"
+#include "io/atomic_file.h"
+#include "mesh_arguments.h"
+#include "render_arguments.h"
+
+namespace vrc {
+namespace fs = std::filesystem;
+namespace {
+
+bool same_file(const fs::path& a, const fs::path& b) {
+  std::error_code error;
+  return fs::weakly_canonical(a, error) == fs::weakly_canonical(b, error);
+}
+
+/// `what` in the plural.
+void check_extension(const fs::path& path, std::string_view what,
+                     std::initializer_list<std::string_view> extensions) {
+  const std::string own = lower_extension(path);
+  if (std::ranges::find(extensions, own) != extensions.end()) return;
+  std::string list;
+  for (const std::string_view e : extensions) {
+    list += (list.empty() ? "" : e == *(extensions.end() - 1) ? " or " : ", ") + std::string(e);
+  }
+  throw InputError(path.string(), 0,
+                   fmt::format("{} are written as {}; choose {}", what, list,
+                               extensions.size() == 1 ? "this extension" : "one of these extensions"));
+}
+
+std::vector<fs::path> all_outputs(const RenderArguments& arguments) {
+  std::vector<fs::path> outputs = arguments.images;
+  outputs.insert(outputs.end(), arguments.record_maps.begin(), arguments.record_maps.end());
+  for (const auto* extra : {&arguments.record_ellipses, &arguments.record_overlay, &arguments.stats}) {
+    if (*extra) outputs.push_back(**extra);
+  }
+  return outputs;
+}
+
+void check_outputs(const RenderArguments& arguments) {
+  for (const fs::path& image : arguments.images) check_extension(image, "pictures", {".exr", ".png"});
+  for (const fs::path& map : arguments.record_maps) {
+    check_extension(map, "record maps", {".ply", ".vtp", ".csv"});
+  }
+  if (arguments.record_ellipses) check_extension(*arguments.record_ellipses, "ellipses", {".ply", ".vtp"});
+  if (arguments.record_overlay) check_extension(*arguments.record_overlay, "overlays", {".png"});
+  const std::vector<fs::path> outputs = all_outputs(arguments);
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    require_writable(outputs[i]);
+    for (std::size_t k = 0; k < i; ++k) {
+      if (same_file(outputs[i], outputs[k]))
+        throw InputError(outputs[i].string(), 0, "is named for two outputs");
+    }
+    if (same_file(outputs[i], arguments.scene) ||
+        (arguments.reference && same_file(outputs[i], *arguments.reference))) {
+      throw InputError(outputs[i].string(), 0, "is an input of this command; write to another file");
+    }
+  }
+}
+
+void check_inputs(const RenderArguments& arguments) {
+  const SceneReadOptions& scene = arguments.scene_options;
+  if ((scene.camera_origin || scene.camera_target || scene.fov_degrees) &&
+      lower_extension(arguments.scene) == ".xml") {
+    throw InputError(
+        "--camera-origin, --camera-target and --fov are for bare meshes; edit the <sensor> of the scene, or "
+        "use -D with a parameter of it");
+  }
+  std::error_code error;
+  if (!fs::exists(arguments.scene, error)) throw InputError(arguments.scene.string(), 0, "no such file");
+}
+
+}  // namespace
+
+void check_render_arguments(const RenderArguments& arguments) {
+  const bool wants_records =
+      !arguments.record_maps.empty() || arguments.record_ellipses || arguments.record_overlay;
+  if (wants_records && arguments.render.method != Method::kCache) {
+    throw InputError("--record-map, --record-ellipses and --record-overlay need --method cache");
+  }
+  check_inputs(arguments);
+  check_outputs(arguments);
+}
+
+void check_records_arguments(const RenderArguments& arguments) {
+  if (arguments.record_maps.empty() && !arguments.record_ellipses && !arguments.record_overlay) {
+    throw InputError("give a file to write: -o for a record map, --ellipses or --overlay");
+  }
+  check_inputs(arguments);
+  check_outputs(arguments);
+}
+
+}  // namespace vrc
