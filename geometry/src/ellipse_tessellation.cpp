@@ -125,7 +125,7 @@ void append_fan(const FlatFace& face, const Polygon& polygon, double lift, Ellip
   for (const Vec2& p : polygon) {
     const Vec3 b = face.barycentric(p);
     const Vec3 normal = face.normal(b);
-    result.positions.push_back(face.position(b) + lift * normal);
+    result.positions.emplace_back(face.position(b) + lift * normal);
     result.normals.push_back(normal);
   }
   for (std::uint32_t i = 2; i < polygon.size(); ++i) {

@@ -165,7 +165,7 @@ SurfaceExport record_ellipses(std::span<const RecordMapEntry> records,
     for (const auto& [a, b, c] : ellipse.triangles)
       surface.triangles.push_back({base + a, base + b, base + c});
     for (std::size_t v = 0; v < ellipse.positions.size(); ++v) {
-      surface.positions.push_back(ellipse.positions[v].cast<float>());
+      surface.positions.emplace_back(ellipse.positions[v].cast<float>());
       for (const double n : ellipse.normals[v]) normals.push_back(static_cast<float>(n));
       append(colors, orange ? kNeedsShColor : by_size[i]);
       quality.push_back(mean_radius(records[i]));
