@@ -1,107 +1,80 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "chart_lscm.h"
 
-#include <Eigen/SparseCholesky>
-#include <algorithm>
-#include <cmath>
-#include <complex>
-#include <utility>
+#include <CGAL/Eigen_solver_traits.h>
+#include <CGAL/Simple_cartesian.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/Surface_mesh_parameterization/LSCM_parameterizer_3.h>
+#include <CGAL/Surface_mesh_parameterization/Two_vertices_parameterizer_3.h>
 
-#include "chart_check.h"
+#include <Eigen/SparseCholesky>
 
 namespace vrc {
 namespace {
 
-using Complex = std::complex<double>;
-using Matrix = Eigen::SparseMatrix<Complex>;
-using Vector = Eigen::VectorXcd;
+namespace smp = CGAL::Surface_mesh_parameterization;
+using Kernel = CGAL::Simple_cartesian<double>;
+using CgalMesh = CGAL::Surface_mesh<Kernel::Point_3>;
+using Border = smp::Two_vertices_parameterizer_3<CgalMesh>;
+using Solver =
+    CGAL::Eigen_solver_traits<Eigen::SimplicialLDLT<CGAL::Eigen_sparse_symmetric_matrix<double>::EigenType>>;
+using Parameterizer = smp::LSCM_parameterizer_3<CgalMesh, Border, Solver>;
 
-// The two border vertices that are furthest apart along the longest side of the border's box.
-std::optional<std::pair<std::uint32_t, std::uint32_t>> pinned_vertices(const ChartMesh& chart) {
-  std::vector<std::uint32_t> border;
-  Box3 box;
-  for (std::size_t f = 0; f < chart.size(); ++f) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (chart.neighbours[f][k] != kInvalidIndex) continue;
-      border.push_back(chart.triangles[f][k]);
-      box.extend(chart.positions[border.back()]);
-    }
+// Vertices keep their numbers and are given relative to the first. Nothing when a face is refused.
+std::optional<CgalMesh> to_cgal(const ChartMesh& chart) {
+  CgalMesh mesh;
+  const auto vertices = static_cast<CgalMesh::size_type>(chart.positions.size());
+  const auto faces = static_cast<CgalMesh::size_type>(chart.size());
+  mesh.reserve(vertices, 2 * faces, faces);
+  for (const Vec3& p : chart.positions) {
+    const Vec3 d = p - chart.positions.front();
+    mesh.add_vertex({d.x(), d.y(), d.z()});
   }
-  if (border.empty()) return std::nullopt;
-  Eigen::Index axis = 0;
-  box.sizes().maxCoeff(&axis);
-  const auto [low, high] = std::minmax_element(
-      border.begin(), border.end(),
-      [&](std::uint32_t a, std::uint32_t b) { return chart.positions[a][axis] < chart.positions[b][axis]; });
-  if (!(chart.positions[*low][axis] < chart.positions[*high][axis])) return std::nullopt;
-  return std::pair(*low, *high);
+  for (const auto& [a, b, c] : chart.triangles) {
+    const CgalMesh::Face_index face =
+        mesh.add_face(CgalMesh::Vertex_index(a), CgalMesh::Vertex_index(b), CgalMesh::Vertex_index(c));
+    if (face == CgalMesh::null_face()) return std::nullopt;
+  }
+  return mesh;
 }
 
-// With the corners z of a face laid down in the complex plane, its map to U is conformal where
-// (z3 - z2) U1 + (z1 - z3) U2 + (z2 - z1) U3 = 0 [Levy2002, section 2.3]. The factors, scaled so that
-// the sum's square is the face's part of the conformal energy.
-std::array<Complex, 3> conformal_row(const ChartMesh& chart, std::size_t face) {
-  const std::array<Vec2, 3> z = laid_down(chart.corners(face));
-  const Vec2 e = z[1] - z[0];
-  const Vec2 d = z[2] - z[0];
-  constexpr double kThinnest = 1e-9;  // Bounds the weight of slivers.
-  const double longest2 = std::max({e.squaredNorm(), d.squaredNorm(), (d - e).squaredNorm()});
-  const double scale = 1.0 / std::sqrt(std::max(e.x() * d.y() - e.y() * d.x(), kThinnest * longest2));
-  std::array<Complex, 3> row;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vec2 w = scale * (z[(k + 2) % 3] - z[(k + 1) % 3]);
-    row[k] = Complex(w.x(), w.y());
+// A half-edge of the longest boundary loop, where the pinned vertices are far apart.
+CgalMesh::Halfedge_index longest_border(const CgalMesh& mesh) {
+  std::vector<char> seen(mesh.num_halfedges(), 0);
+  CgalMesh::Halfedge_index best = CgalMesh::null_halfedge();
+  double longest = -1.0;
+  for (const CgalMesh::Halfedge_index begin : mesh.halfedges()) {
+    if (!mesh.is_border(begin) || seen[begin] != 0) continue;
+    double length = 0.0;
+    for (CgalMesh::Halfedge_index h = begin; seen[h] == 0; h = mesh.next(h)) {
+      seen[h] = 1;
+      const Kernel::Vector_3 e = mesh.point(mesh.target(h)) - mesh.point(mesh.source(h));
+      length += std::sqrt(e.squared_length());
+    }
+    if (length > longest) {
+      longest = length;
+      best = begin;
+    }
   }
-  return row;
+  return best;
 }
 
 }  // namespace
 
 std::optional<std::vector<Vec2>> conformal_map(const ChartMesh& chart) {
-  const auto pinned = pinned_vertices(chart);
-  if (!pinned) return std::nullopt;
-  const auto [first, second] = *pinned;
-  const std::size_t count = chart.positions.size();
-  std::vector<Complex> map(count, Complex(0.0, 0.0));
-  map[second] = (chart.positions[second] - chart.positions[first]).norm();
-  if (count == 2) return std::nullopt;
-
-  // The free vertices in their order; the energy's normal equations, the pinned on the right side.
-  std::vector<int> unknown(count, -1);
-  int unknowns = 0;
-  for (std::uint32_t v = 0; v < count; ++v) {
-    if (v != first && v != second) unknown[v] = unknowns++;
-  }
-  std::vector<Eigen::Triplet<Complex>> entries;
-  entries.reserve(6 * chart.size());
-  Vector right = Vector::Zero(unknowns);
-  for (std::size_t f = 0; f < chart.size(); ++f) {
-    const std::array<Complex, 3> row = conformal_row(chart, f);
-    const Triangle& t = chart.triangles[f];
-    for (std::size_t i = 0; i < 3; ++i) {
-      const int r = unknown[t[i]];
-      if (r < 0) continue;
-      for (std::size_t j = 0; j < 3; ++j) {
-        const int c = unknown[t[j]];
-        const Complex product = std::conj(row[i]) * row[j];
-        if (c < 0) {
-          right[r] -= product * map[t[j]];
-        } else if (c <= r) {
-          entries.emplace_back(r, c, product);
-        }
-      }
-    }
-  }
-  Matrix energy(unknowns, unknowns);
-  energy.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Matrix, Eigen::Lower> solver(energy);
-  if (solver.info() != Eigen::Success) return std::nullopt;
-  const Vector solution = solver.solve(right);
-  std::vector<Vec2> result(count);
-  for (std::size_t v = 0; v < count; ++v) {
-    const Complex u = unknown[v] < 0 ? map[v] : solution[unknown[v]];
-    result[v] = Vec2(u.real(), u.imag());
-  }
+  std::optional<CgalMesh> mesh = to_cgal(chart);
+  if (!mesh) return std::nullopt;
+  const CgalMesh::Halfedge_index border = longest_border(*mesh);
+  if (border == CgalMesh::null_halfedge()) return std::nullopt;
+  using Vertex = CgalMesh::Vertex_index;
+  const auto uv = mesh->add_property_map<Vertex, Kernel::Point_2>("v:uv", {0.0, 0.0}).first;
+  const auto index = mesh->add_property_map<Vertex, int>("v:index", 0).first;
+  const auto pinned = mesh->add_property_map<Vertex, bool>("v:pinned", false).first;
+  for (const Vertex v : mesh->vertices()) index[v] = static_cast<int>(v.idx());
+  if (Parameterizer().parameterize(*mesh, border, uv, index, pinned) != smp::OK) return std::nullopt;
+  std::vector<Vec2> result;
+  result.reserve(chart.positions.size());
+  for (const Vertex v : mesh->vertices()) result.emplace_back(uv[v].x(), uv[v].y());
   return result;
 }
 

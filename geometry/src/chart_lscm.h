@@ -9,8 +9,8 @@
 namespace vrc {
 
 /// Least-squares conformal map of a connected chart with a boundary [Levy2002]: (u, v) per vertex, with
-/// position, rotation and scale as they come. Two vertices of the border that are far apart are held.
-/// Nothing when the solver fails; the result may have flips and must be checked.
+/// position, rotation and scale as they come. Nothing when the chart is no mesh for
+/// CGAL or the solver fails; the result may have flips and must be checked.
 [[nodiscard]] std::optional<std::vector<Vec2>> conformal_map(const ChartMesh& chart);
 
 }  // namespace vrc
