@@ -11,8 +11,6 @@
 namespace vrc {
 namespace {
 
-// Neighbours farther than this multiple of the radii are left out.
-constexpr double kReach = 2.5;
 // Relative error of a second-order Taylor polynomial at k = 1, growing with k^3.
 constexpr double kModelError = 0.05;
 // Relative floor of a value's standard deviation: no estimate is exact.
@@ -42,8 +40,9 @@ Jet2 to_jet(const Vec6& v) {
   return j;
 }
 
-std::array<Jet2, 3> fit(const SceneCharts& charts, const ChartPoints& centers,
-                        std::span<const RadianceRecord> records, std::size_t index, double mean_luminance) {
+std::array<Jet2, 3> fit(const ChartPoints& centers,
+                        std::span<const RadianceRecord> records, const SurfaceReach& reach, std::size_t index,
+                        double mean_luminance) {
   const RadianceRecord& record = records[index];
   const double scale = perceived(record.estimate.luminance.value, mean_luminance);
   const double length = std::sqrt(record.region.radius1 * record.region.radius2);
@@ -60,12 +59,11 @@ std::array<Jet2, 3> fit(const SceneCharts& charts, const ChartPoints& centers,
   for (std::size_t c = 0; c < 3; ++c) {
     right[c] = precision.cwiseProduct(to_vector(record.estimate.radiance[c]).cwiseProduct(unit));
   }
-  const SurfaceReach reach = reach_over_surface(charts, record.site.point, record.region, kReach);
   const auto add_neighbour = [&](std::uint32_t i) {
     const RadianceRecord& other = records[i];
     if (i == index) return;
     const double k = joint_distance(record.region, other.region.center, other.region.normal);
-    if (k >= kReach || !reach.contains(other.site.point.triangle)) return;
+    if (k >= kFitSupport || !reach.contains(other.site.point.triangle)) return;
     const Vec3 d = other.region.center - record.region.center;
     const Vec6 basis =
         taylor_basis(Vec2(d.dot(record.site.frame.tangent), d.dot(record.site.frame.bitangent)) / length);
@@ -91,7 +89,8 @@ std::array<Jet2, 3> fit(const SceneCharts& charts, const ChartPoints& centers,
 
 }  // namespace
 
-void fit_jointly(const SceneCharts& charts, std::vector<RadianceRecord>& records, const RegionRule& rule) {
+void fit_jointly(const SceneCharts& charts, std::vector<RadianceRecord>& records,
+                 std::span<const SurfaceReach> reaches, const RegionRule& rule) {
   std::vector<ChartPoint> points;
   points.reserve(records.size());
   for (const RadianceRecord& record : records) {
@@ -102,7 +101,7 @@ void fit_jointly(const SceneCharts& charts, std::vector<RadianceRecord>& records
   const ChartPoints centers(charts.patch_count(), points);
   // Only `radiance` and `clamp_factor` change, which no fit reads.
   parallel_for(records.size(), [&](std::size_t i) {
-    set_radiance(records[i], fit(charts, centers, records, i, rule.mean_luminance), rule.mean_luminance);
+    set_radiance(records[i], fit(centers, records, reaches[i], i, rule.mean_luminance), rule.mean_luminance);
   });
 }
 

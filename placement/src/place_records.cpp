@@ -57,9 +57,10 @@ class Placement {
       if (!result_.unfinished) cover_samples();
     }
     result_.phases.push_back(timer.elapsed());
+    reach_widely();
     if (options_.joint_fit) {
       PhaseTimer fit_timer("fit records");
-      fit_jointly(*charts_, result_.records, rule_);
+      fit_jointly(*charts_, result_.records, result_.reaches, rule_);
       result_.phases.push_back(fit_timer.elapsed());
     }
     classify();
@@ -162,6 +163,7 @@ class Placement {
     rule_.epsilon = epsilon;
     rule_.uniform_radius = std::pow(epsilon, 0.25) * 0.1;
     points_.clear_coverage();
+    result_.reaches.clear();
     shape_and_cover(0);
   }
 
@@ -183,6 +185,7 @@ class Placement {
       if (chosen.empty()) break;
       const std::size_t first = result_.records.size();
       make_at(chosen);
+      for (const std::uint32_t i : chosen) points_.take(i);
       shape_and_cover(first);
       control_.report({"place records", chooser.progress(), result_.records.size(),
                        result_.counts.gather + result_.counts.shadow});
@@ -226,13 +229,22 @@ class Placement {
     spread(high);
   }
 
+  /// Fills in the reaches of the records that have none yet.
+  void reach_widely() {
+    static_assert(kWideSupport >= kFitSupport);
+    const std::size_t first = result_.reaches.size();
+    for (SurfaceReach& reach : reaches_of(*charts_, std::span(result_.records).subspan(first), kWideSupport))
+      result_.reaches.push_back(std::move(reach));
+  }
+
   /// Slivers between the points: what no region reaches even when widened gets records.
   void cover_samples() {
     const TileLayout layout = {view_.x0, view_.y0, view_.x1, view_.y1};
     std::vector<std::size_t> tiles(layout.count());
     for (std::size_t i = 0; i < tiles.size(); ++i) tiles[i] = i;
     for (int round = 0; round < kSampleRounds && !tiles.empty() && !result_.unfinished; ++round) {
-      const RadianceCache cache(charts_, result_.records, kWideSupport);
+      reach_widely();
+      const RadianceCache cache(charts_, result_.records, result_.reaches);
       std::vector<std::vector<OpenSample>> open(tiles.size());
       std::vector<RayCounts> counts(tiles.size());
       parallel_for(tiles.size(), [&](std::size_t i) {

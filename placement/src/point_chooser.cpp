@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "core/parallel.h"
 
@@ -80,13 +81,11 @@ FrontChooser::Neighbours FrontChooser::neighbours(std::span<const RadianceRecord
   return best;
 }
 
-std::vector<std::uint32_t> FrontChooser::admit(std::span<const RadianceRecord> records,
-                                               std::span<const std::uint32_t> parents, float most_misfit,
-                                               std::size_t limit) {
+void FrontChooser::admit(std::span<const RadianceRecord> records, std::span<const std::uint32_t> parents,
+                         float most_misfit, std::size_t limit, std::vector<Proposal>& admitted) {
   std::vector<Neighbours> found(parents.size());
   parallel_for(parents.size(), [&](std::size_t i) { found[i] = neighbours(records, parents[i]); });
   std::vector<Proposal> proposals;
-  active_.clear();
   for (std::size_t i = 0; i < parents.size(); ++i) {
     bool open = false;
     for (const Proposal& p : found[i]) {
@@ -97,40 +96,32 @@ std::vector<std::uint32_t> FrontChooser::admit(std::span<const RadianceRecord> r
     if (open) active_.push_back(parents[i]);
   }
   // What a limit leaves open should be spread over the picture, as the points are in their order.
-  if (proposals.size() > limit) std::ranges::sort(proposals, {}, &Proposal::point);
-  std::vector<Proposal> admitted;
+  if (admitted.size() + proposals.size() > limit) std::ranges::sort(proposals, {}, &Proposal::point);
+  const auto near = [&](const Proposal& p, const Vec3& d) {
+    if (p.parent == kInvalidIndex) return false;
+    const ValidRegion& r = records[p.parent].region;
+    return translation_distance(r, r.center + d) < 1.0;
+  };
   for (const Proposal& p : proposals) {
-    if (admitted.size() >= limit) break;
+    if (admitted.size() >= limit) return;
     const Vec3 x = points_.position(p.point);
     const bool conflict = std::ranges::any_of(admitted, [&](const Proposal& other) {
       if (points_.region(other.point) != points_.region(p.point)) return false;
       const Vec3 d = points_.position(other.point) - x;
-      const auto near = [&](const ValidRegion& r) {
-        return translation_distance(r, r.center + d) < 1.0;
-      };
-      return near(records[p.parent].region) || near(records[other.parent].region);
+      return p.point == other.point || near(p, d) || near(other, d);
     });
     if (!conflict) admitted.push_back(p);
   }
-  std::vector<std::uint32_t> chosen;
-  for (const Proposal& p : admitted) {
-    chosen.push_back(p.point);
-    chosen_parents_.push_back(p.parent);
-  }
-  return chosen;
 }
 
-std::vector<std::uint32_t> FrontChooser::seeds(std::size_t limit) {
-  std::vector<std::uint32_t> chosen;
-  std::set<std::int32_t> seeded;
+void FrontChooser::add_seeds(std::size_t limit, std::vector<Proposal>& admitted) {
+  std::set<std::int32_t> busy;  // smooth regions
+  for (const Proposal& p : admitted) busy.insert(points_.region(p.point));
   while (first_open_ < points_.size() && !points_.is_open(first_open_)) ++first_open_;
-  for (std::size_t i = first_open_; i < points_.size() && chosen.size() < limit; ++i) {
-    if (points_.is_open(i) && seeded.insert(points_.region(i)).second) {
-      chosen.push_back(static_cast<std::uint32_t>(i));
-      chosen_parents_.push_back(kInvalidIndex);
-    }
+  for (std::size_t i = first_open_; i < points_.size() && admitted.size() < limit; ++i) {
+    if (points_.is_open(i) && busy.insert(points_.region(i)).second)
+      admitted.push_back({static_cast<std::uint32_t>(i), kInvalidIndex, 0.0f});
   }
-  return chosen;
 }
 
 std::vector<std::uint32_t> FrontChooser::choose(std::span<const RadianceRecord> records, std::size_t limit) {
@@ -142,14 +133,21 @@ std::vector<std::uint32_t> FrontChooser::choose(std::span<const RadianceRecord> 
   chosen_parents_.clear();
   std::vector<std::uint32_t> front;
   for (; known_ < records.size(); ++known_) front.push_back(static_cast<std::uint32_t>(known_));
-  const std::vector<std::uint32_t> before = active_;
-  std::vector<std::uint32_t> chosen = admit(records, front, kCloseFit, limit);
-  active_.insert(active_.end(), before.begin(), before.end());
-  if (!chosen.empty()) return chosen;
-  std::ranges::sort(active_);
-  const std::vector<std::uint32_t> all = std::move(active_);
-  chosen = admit(records, all, kAnyFit, limit);
-  return chosen.empty() ? seeds(limit) : chosen;
+  std::vector<Proposal> admitted;
+  admit(records, front, kCloseFit, limit, admitted);
+  // Few at a time would leave processors idle.
+  if (admitted.size() < kSmallestRound) {
+    std::ranges::sort(active_);
+    const std::vector<std::uint32_t> all = std::exchange(active_, {});
+    admit(records, all, kAnyFit, limit, admitted);
+    add_seeds(limit, admitted);
+  }
+  std::vector<std::uint32_t> chosen;
+  for (const Proposal& p : admitted) {
+    chosen.push_back(p.point);
+    chosen_parents_.push_back(p.parent);
+  }
+  return chosen;
 }
 
 }  // namespace vrc

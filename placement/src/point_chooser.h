@@ -41,8 +41,8 @@ class OrderedChooser : public PointChooser {
 
 /// Grows an anisotropic Poisson-disk set over the surfaces: around the ellipse of each new record six
 /// neighbours are sought at equal angles and equal distance in the ellipse's own metric, in the charts
-/// that it reaches; then the gaps are filled next to the records there are; then surfaces without
-/// records get a seed each. Two points of a round keep a distance of 1 in either one's metric.
+/// that it reaches; when the front gives out, the gaps are filled next to the records there are, and
+/// surfaces without records get a seed each. Two points of a round keep a distance of 1 in either one's metric.
 class FrontChooser : public PointChooser {
  public:
   FrontChooser(const SceneCharts& charts, const VisiblePoints& points) : charts_(charts), points_(points) {}
@@ -55,16 +55,17 @@ class FrontChooser : public PointChooser {
   /// An open point beside a record.
   struct Proposal {
     std::uint32_t point = kInvalidIndex;
-    std::uint32_t parent = 0;
+    std::uint32_t parent = kInvalidIndex;  ///< None: a seed.
     float misfit = 0.0f;  ///< Squared distance from where it was sought, in the parent's metric.
   };
   using Neighbours = std::array<Proposal, kSectors>;
 
   [[nodiscard]] Neighbours neighbours(std::span<const RadianceRecord> records, std::uint32_t parent) const;
-  [[nodiscard]] std::vector<std::uint32_t> admit(std::span<const RadianceRecord> records,
-                                                 std::span<const std::uint32_t> parents, float most_misfit,
-                                                 std::size_t limit);
-  [[nodiscard]] std::vector<std::uint32_t> seeds(std::size_t limit);
+  /// Adds the neighbours of `parents` that keep their distance to `admitted`, until it has `limit`; those
+  /// of the parents that have open points beside them become active.
+  void admit(std::span<const RadianceRecord> records, std::span<const std::uint32_t> parents,
+             float most_misfit, std::size_t limit, std::vector<Proposal>& admitted);
+  void add_seeds(std::size_t limit, std::vector<Proposal>& admitted);
 
   const SceneCharts& charts_;
   const VisiblePoints& points_;

@@ -4,8 +4,6 @@
 #include <algorithm>
 
 #include "core/error.h"
-#include "core/parallel.h"
-#include "placement/surface_reach.h"
 
 namespace vrc {
 
@@ -65,12 +63,9 @@ V3x16 extrapolate(const PackedRecord& record, const Coverage16& c, int order) {
 }
 
 RadianceCache::RadianceCache(std::shared_ptr<const SceneCharts> charts, std::vector<RadianceRecord> records,
-                             double max_support)
+                             std::span<const SurfaceReach> reaches)
     : charts_(std::move(charts)), records_(std::move(records)) {
-  std::vector<SurfaceReach> reaches(records_.size());
-  parallel_for(records_.size(), [&](std::size_t i) {
-    reaches[i] = reach_over_surface(*charts_, records_[i].site.point, records_[i].region, max_support);
-  });
+  VRC_CHECK(reaches.size() == records_.size(), "{} reaches of {} records", reaches.size(), records_.size());
   packed_.reserve(records_.size());
   std::vector<PatchFootprint> boxes;
   for (std::uint32_t i = 0; i < records_.size(); ++i) {

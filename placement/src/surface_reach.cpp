@@ -13,6 +13,7 @@ namespace {
 constexpr double kMargin = 1.05;
 constexpr double kDeviationMargin = 0.01;  // normals may be turned a little towards the viewer
 constexpr std::size_t kMaxFaces = 1 << 14;
+constexpr std::size_t kMaxMeasuredFaces = 1 << 10;
 
 }  // namespace
 
@@ -76,7 +77,7 @@ double walked_deviation(const SceneCharts& charts, const SurfacePoint& point, co
   const Scene& scene = charts.scene();
   const std::size_t surface = scene.surface_of(point.triangle);
   SurfaceWalkOptions options;
-  options.max_faces = kMaxFaces;
+  options.max_faces = kMaxMeasuredFaces;
   return walk_surface(scene.surface_mesh(surface), surface_ellipse(scene, point, region, 1.0), options)
       .normal_deviation;
 }

@@ -98,7 +98,7 @@ class Renderer {
     result.stats.phases = std::move(placed.phases);
     result.stats.records = placed.records.size();
     result.stats.unfinished = placed.unfinished;
-    cache_.emplace(std::move(placed.charts), std::move(placed.records), kWideSupport);
+    cache_.emplace(std::move(placed.charts), std::move(placed.records), placed.reaches);
   }
 
   void render_tile(std::size_t index, Image& image, RayCounts& counts) const {

@@ -122,11 +122,15 @@ RegionRule rule_with(const CacheOptions& options) {
   return rule;
 }
 
+void fit(std::vector<RadianceRecord>& records, const CacheOptions& options) {
+  fit_jointly(plane().charts, records, reaches_of(plane().charts, records, kFitSupport), rule_with(options));
+}
+
 TEST(JointFit, LeavesNoiselessRecordsOfAQuadraticFieldUnchanged) {
   const CacheOptions options;
   std::vector<RadianceRecord> records = lattice(0, 0, 0);
   const std::vector<RadianceRecord> before = records;
-  fit_jointly(plane().charts, records, rule_with(options));
+  fit(records, options);
   for (std::size_t i = 0; i < records.size(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
       const auto expected = test::entries(before[i].radiance[c]),
@@ -147,7 +151,7 @@ TEST(JointFit, LowersTheErrorOfNoisyRecords) {
        {Noise{0.1, 0.5, 5.0, 1.5}, Noise{0.01, 3.0, 100.0, 2.0}, Noise{0.1, 5.0, 300.0, 1.5}}) {
     std::vector<RadianceRecord> records = lattice(n.value, n.gradient, n.hessian);
     const double before = rms_error(records);
-    fit_jointly(plane().charts, records, rule_with(options));
+    fit(records, options);
     EXPECT_LT(rms_error(records), before / n.least_gain) << n.value << ' ' << n.gradient << ' ' << n.hessian;
   }
 }
@@ -166,8 +170,8 @@ TEST(JointFit, TakesNothingFromOtherSurfaces) {
     with_strangers.push_back(stranger);
   }
   const std::size_t own = records.size();
-  fit_jointly(plane().charts, records, rule_with(options));
-  fit_jointly(plane().charts, with_strangers, rule_with(options));
+  fit(records, options);
+  fit(with_strangers, options);
   for (std::size_t i = 0; i < own; ++i) {
     EXPECT_EQ(test::entries(records[i].radiance[0]), test::entries(with_strangers[i].radiance[0]));
   }
@@ -177,9 +181,9 @@ TEST(JointFit, IsTheSameAtAnyThreadCount) {
   const CacheOptions options;
   std::vector<RadianceRecord> one = lattice(0.1, 1.0, 20.0), two = one;
   set_thread_count(1);
-  fit_jointly(plane().charts, one, rule_with(options));
+  fit(one, options);
   set_thread_count(2);
-  fit_jointly(plane().charts, two, rule_with(options));
+  fit(two, options);
   for (std::size_t i = 0; i < one.size(); ++i) {
     EXPECT_EQ(test::entries(one[i].radiance[2]), test::entries(two[i].radiance[2]));
   }

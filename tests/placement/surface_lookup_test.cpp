@@ -102,7 +102,8 @@ std::vector<double> weights_at(const RadianceCache& cache, const std::vector<Sur
 }
 
 RadianceCache one_record(const Surface& surface, const RadianceRecord& record) {
-  return {surface.charts, {record}, kWideSupport};
+  const std::vector<RadianceRecord> records = {record};
+  return {surface.charts, records, reaches_of(*surface.charts, records, kWideSupport)};
 }
 
 /// z = height(x, y) over [-1, 1]^2.

@@ -54,7 +54,8 @@ class RecordOverlay : public testing::Test {
   [[nodiscard]] Image draw(std::vector<RadianceRecord> records, double value = 0.0) const {
     Image picture(kSize, kSize, {"R", "G", "B"});
     std::ranges::fill(picture.pixels, static_cast<float>(value));
-    return draw_record_overlay(picture, RadianceCache(charts_, std::move(records), 3.0), options_);
+    const std::vector<SurfaceReach> reaches = reaches_of(*charts_, records, 3.0);
+    return draw_record_overlay(picture, RadianceCache(charts_, std::move(records), reaches), options_);
   }
   [[nodiscard]] Vec2 film(const Vec3& p) const {
     const Camera& camera = scene_.camera();

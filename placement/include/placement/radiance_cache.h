@@ -52,9 +52,9 @@ class RadianceCache {
     std::uint32_t slot_mask = 0;   ///< 0: all of the patch.
   };
 
-  /// Regions are used up to `max_support` times their radii.
+  /// `reaches` are those of the records with the largest support that they are used with.
   RadianceCache(std::shared_ptr<const SceneCharts> charts, std::vector<RadianceRecord> records,
-                double max_support);
+                std::span<const SurfaceReach> reaches);
 
   [[nodiscard]] const SceneCharts& charts() const { return *charts_; }
   [[nodiscard]] std::span<const RadianceRecord> records() const { return records_; }

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <array>
+#include <span>
+#include <vector>
 
 #include "core/jet2.h"
 #include "placement/gather.h"
 #include "placement/site_curvature.h"
+#include "placement/surface_reach.h"
 #include "placement/valid_region.h"
 
 namespace vrc {
@@ -19,5 +22,9 @@ struct RadianceRecord {
   SiteCurvature curvature;
   double clamp_factor = 1.0;  ///< < 1: how much the crease limit reduced the derivatives.
 };
+
+/// What each record reaches over its surface with its region widened `support` times.
+[[nodiscard]] std::vector<SurfaceReach> reaches_of(const SceneCharts& charts,
+                                                   std::span<const RadianceRecord> records, double support);
 
 }  // namespace vrc

@@ -52,7 +52,7 @@ struct SurfaceReach {
                                               const ValidRegion& region, double support);
 
 /// Largest angle between the region's normal and the shading normals inside its ellipse, as met by
-/// walking over the surface. [radians]
+/// walking over the surface, its nearest thousand faces at most. [radians]
 [[nodiscard]] double walked_deviation(const SceneCharts& charts, const SurfacePoint& point,
                                       const ValidRegion& region);
 

@@ -26,6 +26,8 @@ class VisiblePoints {
 
   /// Marks the points that the region reaches with a joint distance below 1.
   void cover(const ValidRegion& region, const SurfaceReach& reach);
+  /// Counts a point as covered whatever its record's region: a record may move away from its point.
+  void take(std::size_t i) { covered_[i] = 1; }
   void clear_coverage();
 
   /// Calls body(index, a, b, k2) for the open points that the region reaches within joint distance

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "placement/record.h"
+
+#include "core/parallel.h"
+
+namespace vrc {
+
+std::vector<SurfaceReach> reaches_of(const SceneCharts& charts, std::span<const RadianceRecord> records,
+                                     double support) {
+  std::vector<SurfaceReach> reaches(records.size());
+  parallel_for(records.size(), [&](std::size_t i) {
+    reaches[i] = reach_over_surface(charts, records[i].site.point, records[i].region, support);
+  });
+  return reaches;
+}
+
+}  // namespace vrc
