@@ -180,6 +180,13 @@ void declare_scene(CLI::App& command, RenderArguments& arguments) {
       ->type_name("NAME=VALUE")
       ->allow_extra_args(false)
       ->group("Scene");
+  add_number(command, "--crease-angle", arguments.crease_angle, NumberRange<double>{0.0, 180.0},
+             "Edges that bend by more are creases, in degrees; supplied normals go before")
+      ->group("Scene");
+  add_choice(command, "--curvature", arguments.curvature,
+             {{"tensor", CurvatureMethod::kFaceTensors}, {"jet", CurvatureMethod::kJet}},
+             "How the curvature of surfaces is estimated")
+      ->group("Scene");
   command.add_flag("--lenient", scene.lenient, "Warn about what is not understood instead of stopping")
       ->group("Scene");
   add_point("--camera-origin", scene.camera_origin, "Where the camera of a bare mesh stands");

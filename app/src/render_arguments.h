@@ -18,6 +18,8 @@ namespace vrc {
 struct RenderArguments {
   std::filesystem::path scene;
   SceneReadOptions scene_options;
+  double crease_angle = CreaseOptions{}.crease_angle;  ///< [degrees]
+  CurvatureMethod curvature = CurvatureMethod::kFaceTensors;
   RenderOptions render;                  ///< Without what the scene decides; see `render_options_for`.
   std::optional<int> samples_per_pixel;  ///< Default: the scene's.
   std::optional<int> bounces;            ///< Default: from the scene's max_depth.

@@ -54,7 +54,9 @@ SceneRun run_scene(const RenderArguments& arguments, const std::string& command_
   report.threads = set_thread_count(arguments.threads);
 
   const PhaseTimer reading("read scene");
-  const SceneDescription description = read_scene(arguments.scene, arguments.scene_options);
+  SceneDescription description = read_scene(arguments.scene, arguments.scene_options);
+  description.crease_angle = arguments.crease_angle;
+  description.curvature = arguments.curvature;
   print_messages(description, arguments.quiet);
   report.options = render_options_for(arguments, description);
   report.width = description.camera.width;

@@ -56,14 +56,16 @@ class Placement {
       sweep(threshold(options_.error), *chooser_);
       if (!result_.unfinished) cover_samples();
     }
-    result_.phases.push_back(timer.elapsed());
     reach_widely();
+    result_.phases.push_back(timer.elapsed());
     if (options_.joint_fit) {
       PhaseTimer fit_timer("fit records");
       fit_jointly(*charts_, result_.records, result_.reaches, rule_);
       result_.phases.push_back(fit_timer.elapsed());
     }
+    PhaseTimer class_timer("classify sites");
     classify();
+    result_.phases.push_back(class_timer.elapsed());
     result_.charts = charts_;
     result_.epsilon = rule_.epsilon;
     result_.mean_luminance = rule_.mean_luminance;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 #include "core/hash.h"
 #include "core/parallel.h"
@@ -13,15 +14,24 @@ namespace vrc {
 namespace {
 
 constexpr int kPilotStride = 32;  // pixels between the first records
-constexpr double kFilmPointsPerPixel = 0.25;
+constexpr double kFilmPointsPerPixel = 0.5;
 
-/// Morton code with its bits reversed: sorts a square of 2^levels pixels coarse to fine.
-std::uint64_t coarse_to_fine_key(std::uint32_t x, std::uint32_t y, int levels) {
-  std::uint64_t key = 0;
-  for (int bit = 0; bit < levels; ++bit) {
-    key = (key << 2) | (((x >> bit) & 1u) ^ ((y >> bit) & 1u)) << 1 | ((y >> bit) & 1u);
+/// The pixels of a window in ever finer square lattices, as numbers along its rows: those of a square of
+/// 2^levels pixels in the order of their Morton codes with the bits reversed.
+std::vector<std::uint32_t> coarse_to_fine(int width, int height) {
+  const int levels = std::bit_width(static_cast<unsigned>(std::max(width, height) - 1));
+  std::vector<std::uint32_t> order;
+  order.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  for (std::uint64_t code = 0; code >> (2 * levels) == 0; ++code) {
+    int x = 0, y = 0;
+    for (int bit = 0; bit < levels; ++bit) {
+      const auto digit = static_cast<int>(code >> (2 * (levels - 1 - bit))) & 3;
+      y |= (digit & 1) << bit;
+      x |= ((digit >> 1) ^ (digit & 1)) << bit;
+    }
+    if (x < width && y < height) order.push_back(static_cast<std::uint32_t>(y * width + x));
   }
-  return key;
+  return order;
 }
 
 /// Distance between the pilot records: small pictures get some as well.
@@ -41,8 +51,10 @@ struct FilmPosition {
 /// Looks through positions of the film.
 class VisiblePoints::Collector {
  public:
+  /// `order` lists the positions as the points are to be ordered; the first are those of pilot records.
   static VisiblePoints collect(const SceneCharts& charts, const std::vector<FilmPosition>& positions,
-                               std::size_t pilot_positions, std::uint64_t& camera_rays) {
+                               const std::vector<std::uint32_t>& order, std::size_t pilot_positions,
+                               std::uint64_t& camera_rays) {
     const Scene& scene = charts.scene();
     const std::size_t packets = (positions.size() + kLanes - 1) / kLanes;
     std::vector<Point> seen(positions.size());
@@ -51,9 +63,9 @@ class VisiblePoints::Collector {
     std::vector<Point> points;
     points.reserve(seen.size());
     std::size_t pilot_count = 0;
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-      if (seen[i].region < 0) continue;
-      points.push_back(seen[i]);
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      if (seen[order[i]].region < 0) continue;
+      points.push_back(seen[order[i]]);
       if (i < pilot_positions) pilot_count = points.size();
     }
     return {charts, std::move(points), pilot_count};
@@ -70,8 +82,7 @@ class VisiblePoints::Collector {
     }
     const Camera& camera = scene.camera();
     const Ray16 ray = {splat3(camera.origin), camera_directions(camera, x, y), splat(1e17f)};
-    const SurfacePoint16 p =
-        scene.intersect(lane_index() < count, ray, RayTracer::Coherence::kIncoherent);
+    const SurfacePoint16 p = scene.intersect(lane_index() < count, ray, RayTracer::Coherence::kCoherent);
     for (int i = 0; i < count; ++i) {
       if (p.scatters[i] == 0) continue;
       const std::size_t index = first + static_cast<std::size_t>(i);
@@ -124,24 +135,18 @@ void VisiblePoints::clear_coverage() { std::ranges::fill(covered_, std::uint8_t{
 VisiblePoints pixel_centres(const SceneCharts& charts, const PlacementView& view,
                             std::uint64_t& camera_rays) {
   const int width = view.x1 - view.x0, height = view.y1 - view.y0;
-  const int levels = std::bit_width(static_cast<unsigned>(std::max(width, height) - 1));
-  std::vector<std::pair<std::uint64_t, FilmPosition>> keyed;
-  keyed.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  std::vector<FilmPosition> positions;
+  positions.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   for (int y = view.y0; y < view.y1; ++y) {
     for (int x = view.x0; x < view.x1; ++x) {
       // The key depends on the film's coordinates only, not on the window.
-      keyed.push_back({coarse_to_fine_key(static_cast<std::uint32_t>(x - view.x0),
-                                          static_cast<std::uint32_t>(y - view.y0), levels),
-                       {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, hash(0x9121u, x, y)}});
+      positions.push_back({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, hash(0x9121u, x, y)});
     }
   }
-  std::ranges::sort(keyed, {}, [](const auto& entry) { return entry.first; });
-  std::vector<FilmPosition> positions;
-  positions.reserve(keyed.size());
-  for (const auto& entry : keyed) positions.push_back(entry.second);
   const int stride = pilot_stride(view);
   const auto along = [&](int extent) { return static_cast<std::size_t>((extent + stride - 1) / stride); };
-  return VisiblePoints::Collector::collect(charts, positions, along(width) * along(height), camera_rays);
+  return VisiblePoints::Collector::collect(charts, positions, coarse_to_fine(width, height),
+                                           along(width) * along(height), camera_rays);
 }
 
 VisiblePoints film_points(const SceneCharts& charts, const PlacementView& view, std::uint64_t& camera_rays) {
@@ -159,7 +164,9 @@ VisiblePoints film_points(const SceneCharts& charts, const PlacementView& view, 
   }
   const double stride = pilot_stride(view);
   const auto pilots = static_cast<std::size_t>(std::ceil(width * height / (stride * stride)));
-  return VisiblePoints::Collector::collect(charts, positions, pilots, camera_rays);
+  std::vector<std::uint32_t> order(positions.size());
+  std::iota(order.begin(), order.end(), 0u);
+  return VisiblePoints::Collector::collect(charts, positions, order, pilots, camera_rays);
 }
 
 }  // namespace vrc

@@ -14,6 +14,7 @@
 #include "geometry/surface_walker.h"
 #include "io/obj_reader.h"
 #include "io/ply_reader.h"
+#include "real_meshes.h"
 
 namespace vrc {
 namespace {
@@ -21,21 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const Vec3 kCentre(1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0);
-
-// In shared/models beside the repository, else of Debian's glmark2-data.
-std::vector<fs::path> models() {
-  std::vector<fs::path> paths;
-  for (const char* folder : {VRC_SOURCE_DIR "/../shared/models", "/usr/share/glmark2/models"}) {
-    std::error_code absent;
-    for (const auto& entry : fs::directory_iterator(folder, absent)) {
-      if (entry.path().extension() == ".obj" || entry.path().extension() == ".ply")
-        paths.push_back(entry.path());
-    }
-    if (!paths.empty()) break;
-  }
-  std::sort(paths.begin(), paths.end());
-  return paths;
-}
 
 PolygonSoup read_model(const fs::path& path) {
   return path.extension() == ".obj" ? read_obj(path).soup : read_ply(path);
@@ -49,15 +35,15 @@ double uv_area(const PatchAtlas& atlas, std::size_t f) {
 
 template <typename Check>
 void for_each_model(const Check& check) {
-  for (const fs::path& path : models()) {
+  for (const fs::path& path : test::real_meshes()) {
     SCOPED_TRACE(path.filename().string());
     const PolygonSoup soup = read_model(path);
     check(soup, build_surface_mesh(soup));
   }
 }
 
-#define SKIP_WITHOUT_MODELS() \
-  if (models().empty())       \
+#define SKIP_WITHOUT_MODELS()      \
+  if (test::real_meshes().empty()) \
   GTEST_SKIP() << "no meshes in shared/models beside the repository nor in /usr/share/glmark2/models"
 
 // Every polygon of the file is there, whole, but for those that the report says were left out.

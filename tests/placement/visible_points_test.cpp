@@ -80,7 +80,7 @@ TEST(PixelCentres, HaveKeysOfTheFilmNotOfTheWindow) {
 
 TEST(FilmPoints, AreSpreadOverTheWindowAndItsBeginnings) {
   const SeenScene s("cornell_glossy.xml", 128, 128, {16, 32, 112, 128}, film_points);
-  EXPECT_NEAR(static_cast<double>(s.camera_rays), 0.25 * 96 * 96, 1.0);
+  EXPECT_NEAR(static_cast<double>(s.camera_rays), 0.5 * 96 * 96, 1.0);
   for (const std::size_t count : {s.points.size() / 16, s.points.size()}) {
     std::array<int, 16> in_block{};
     for (std::size_t i = 0; i < count; ++i) {

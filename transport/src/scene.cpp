@@ -67,7 +67,7 @@ Scene::Scene(const SceneDescription& description) : camera_(description.camera),
   std::vector<float> vertices;
   Box3 bounds;
   for (const ShapeDescription& shape : description.shapes) {
-    add_shape(shape, emissive, vertices);
+    add_shape(description, shape, emissive, vertices);
     bounds.extend(shape.soup.bounds());
   }
   if (triangles_.size() > kMaxTriangles) {
@@ -86,10 +86,11 @@ Scene::Scene(const SceneDescription& description) : camera_(description.camera),
   tracer_ = std::make_unique<RayTracer>(vertices, indices);
 }
 
-void Scene::add_shape(const ShapeDescription& shape, std::vector<EmissiveTriangle>& lights,
-                      std::vector<float>& vertices) {
+void Scene::add_shape(const SceneDescription& description, const ShapeDescription& shape,
+                      std::vector<EmissiveTriangle>& lights, std::vector<float>& vertices) {
   SurfaceMeshOptions options;
   options.face_normals = shape.face_normals;
+  options.creases.crease_angle = description.crease_angle;
   surfaces_.push_back(
       std::make_unique<Surface>(static_cast<std::uint32_t>(triangles_.size()), shape.soup, options));
   Surface& surface = *surfaces_.back();
@@ -128,7 +129,10 @@ void Scene::add_shape(const ShapeDescription& shape, std::vector<EmissiveTriangl
     triangles_.push_back(t);
   }
   region_count_ += static_cast<std::int32_t>(mesh.region_count());
-  if (curved) surface.curvature = estimate_curvature(mesh);
+  if (!curved) return;
+  CurvatureOptions curvature;
+  curvature.method = description.curvature;
+  surface.curvature = estimate_curvature(mesh, curvature);
 }
 
 Scene::~Scene() = default;

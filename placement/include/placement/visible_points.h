@@ -69,7 +69,7 @@ class VisiblePoints {
 [[nodiscard]] VisiblePoints pixel_centres(const SceneCharts& charts, const PlacementView& view,
                                           std::uint64_t& camera_rays);
 
-/// The points behind a Sobol sequence over the film, which knows no pixels: a quarter as many.
+/// The points behind a Sobol sequence over the film, which knows no pixels: half as many.
 [[nodiscard]] VisiblePoints film_points(const SceneCharts& charts, const PlacementView& view,
                                         std::uint64_t& camera_rays);
 

@@ -86,8 +86,8 @@ class Scene {
   [[nodiscard]] Ray16 shadow_ray(const SurfacePoint16& p, const LightSample16& light) const;
 
  private:
-  void add_shape(const ShapeDescription& shape, std::vector<EmissiveTriangle>& lights,
-                 std::vector<float>& vertices);
+  void add_shape(const SceneDescription& description, const ShapeDescription& shape,
+                 std::vector<EmissiveTriangle>& lights, std::vector<float>& vertices);
 
   Camera camera_;
   FilmDescription film_;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/types.h"
+#include "geometry/curvature.h"
 #include "geometry/polygon_soup.h"
 #include "transport/camera.h"
 #include "transport/material.h"
@@ -51,6 +52,8 @@ struct SceneDescription {
   Rgb environment = Rgb::Zero();  ///< Radiance of the `constant` emitter.
   Camera camera;
   FilmDescription film;
+  double crease_angle = CreaseOptions{}.crease_angle;  ///< Where no normals are supplied. [degrees]
+  CurvatureMethod curvature = CurvatureMethod::kFaceTensors;
   int samples_per_pixel = 16;
   int max_depth = -1;  ///< Mitsuba's count: 2 is direct light only, 3 adds one bounce; -1 is unbounded.
 
