@@ -24,8 +24,8 @@ Jet2 luminance_jet(const std::array<Jet2, 3>& rgb) {
 
 void set_gathered(RecordMapEntry& entry, const RadianceEstimate& estimate) {
   entry.luminance_deviation = static_cast<float>(std::sqrt(std::max(0.0, estimate.variance.value)));
-  entry.nearest_hit = static_cast<float>(estimate.nearest_hit);
-  entry.mean_hit = static_cast<float>(1.0 / estimate.mean_inverse_hit);  // infinite for 0
+  entry.nearest_hit = static_cast<float>(estimate.hits.nearest);
+  entry.mean_hit = static_cast<float>(1.0 / estimate.hits.mean_inverse);  // infinite for 0
 }
 
 RecordMapEntry entry_of(const SceneCharts& charts, const RadianceRecord& record) {

@@ -40,9 +40,8 @@ Jet2 to_jet(const Vec6& v) {
   return j;
 }
 
-std::array<Jet2, 3> fit(const ChartPoints& centers,
-                        std::span<const RadianceRecord> records, const SurfaceReach& reach, std::size_t index,
-                        double mean_luminance) {
+std::array<Jet2, 3> fit(const ChartPoints& centers, std::span<const RadianceRecord> records,
+                        const SurfaceReach& reach, std::size_t index, double mean_luminance) {
   const RadianceRecord& record = records[index];
   const double scale = perceived(record.estimate.luminance.value, mean_luminance);
   const double length = std::sqrt(record.region.radius1 * record.region.radius2);

@@ -20,8 +20,8 @@ namespace {
 constexpr int kLog2PilotRays = 10;
 constexpr double kNoiseShare = 1.0;  // of the accepted error: a record's own noise
 constexpr double kNoiseLimit = 2.5;  // of the accepted error: beyond this a record is gathered again
-constexpr int kSampleRounds = 24;       // passes over the samples that the points miss
-constexpr int kCountRounds = 80;        // steps of the search for a wanted number of records
+constexpr int kSampleRounds = 24;    // passes over the samples that the points miss
+constexpr int kCountRounds = 80;     // steps of the search for a wanted number of records
 constexpr int kWidenSteps = 6;
 constexpr double kCoarsestError = 2.0;  // where that search begins
 

@@ -73,8 +73,8 @@ FrontChooser::Neighbours FrontChooser::neighbours(std::span<const RadianceRecord
     // Law of cosines for the distance to (kSpacing, the sector's middle).
     const double misfit =
         k * k + kSpacing * kSpacing - 2.0 * k * kSpacing * std::cos((turns - sector) * kSectorAngle);
-    Proposal& p = best[static_cast<std::size_t>(static_cast<int>(sector) + 2 * static_cast<int>(kSectors)) %
-                       kSectors];
+    Proposal& p =
+        best[static_cast<std::size_t>(static_cast<int>(sector) + 2 * static_cast<int>(kSectors)) % kSectors];
     if (p.point == kInvalidIndex || misfit < static_cast<double>(p.misfit))
       p = {i, parent, static_cast<float>(misfit)};
   });

@@ -47,7 +47,8 @@ Coverage16 coverage(const PackedRecord& record, const V3x16& x, const V3x16& n, 
   const F16 kt2 = (c.a * c.a + c.b * c.b + along_normal * along_normal) * (1.0f / (support * support));
   const F16 k = sqrt(kt2 + max(1.0f - kr, 0.0f) * record.inverse_deviation);
   const F16 kr2 = kr * kr, kr4 = kr2 * kr2, kr8 = kr4 * kr4;
-  c.weight = select(applies & (kr >= record.cos_max_deviation), max(1.0f - k * kr, 0.0f) * (kr8 * kr8), F16{});
+  c.weight =
+      select(applies & (kr >= record.cos_max_deviation), max(1.0f - k * kr, 0.0f) * (kr8 * kr8), F16{});
   return c;
 }
 

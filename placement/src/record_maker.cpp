@@ -54,11 +54,11 @@ double limit_jet(Jet2& jet, const Vec2& half1, const Vec2& half2, double limit) 
 /// Hits stay fixed in the derivatives, so a region must not reach the nearest of them. A wall that
 /// rises beside the record limits the region across their crease; along it the picture changes slowly.
 RegionAxes within_nearest_hit(const RegionAxes& axes, const RadianceRecord& record) {
-  const double nearest = record.estimate.nearest_hit;
+  const double nearest = record.estimate.hits.nearest;
   if (!std::isfinite(nearest)) return axes;
   const Frame& frame = record.site.frame;
-  const Vec2 wall(record.estimate.nearest_normal.dot(frame.tangent),
-                  record.estimate.nearest_normal.dot(frame.bitangent));
+  const Vec2 wall(record.estimate.hits.nearest_normal.dot(frame.tangent),
+                  record.estimate.hits.nearest_normal.dot(frame.bitangent));
   const double steepness = wall.norm();
   if (steepness < kSteepWall) return intersection(axes, Vec2::UnitX(), nearest, nearest);
   return intersection(axes, wall / steepness, nearest, kAlongCrease * nearest);
@@ -108,7 +108,7 @@ void set_radiance(RadianceRecord& record, const std::array<Jet2, 3>& jets, doubl
   record.clamp_factor = 1.0;
   // Derivatives hold no farther than the nearest hit; a region that the minimum radius makes larger
   // extrapolates as if its edge were there.
-  const double trust = std::min(1.0, record.estimate.nearest_hit / std::max(region.radius1, region.radius2));
+  const double trust = std::min(1.0, record.estimate.hits.nearest / std::max(region.radius1, region.radius2));
   for (Jet2& jet : record.radiance) {
     jet.gradient *= trust;
     jet.hessian *= trust * trust;
@@ -127,8 +127,8 @@ RadianceRecord make_record(const Scene& scene, const RecordSite& site, const Gat
   RadianceRecord record;
   record.site = site;
   record.estimate = gather_radiance(scene, site, gather, counts);
-  if (record.estimate.nearest_hit < 0.5 * site.pixel_length) {
-    if (const auto moved = moved_out_of_crease(scene, site, record.estimate.nearest_direction)) {
+  if (record.estimate.hits.nearest < 0.5 * site.pixel_length) {
+    if (const auto moved = moved_out_of_crease(scene, site, record.estimate.hits.nearest_direction)) {
       record.site = make_site(scene, *moved, site.key);
       record.estimate = gather_radiance(scene, record.site, gather, counts);
     }

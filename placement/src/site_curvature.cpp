@@ -35,20 +35,20 @@ std::string_view name_of(CurvatureReason reason) {
 SiteCurvature classify_site(const SceneCharts& charts, const RadianceRecord& record, double theta_max) {
   const SurfacePoint& point = record.site.point;
   SiteCurvature site;
-  site.exponent = static_cast<double>(
-      charts.scene().bsdfs()[static_cast<std::size_t>(point.material)].sharpness());
+  site.exponent =
+      static_cast<double>(charts.scene().bsdfs()[static_cast<std::size_t>(point.material)].sharpness());
   // A flat face may still bend elsewhere in its region: the walk decides.
   const double by_ellipse = ellipse_deviation(record);
   const double by_walk = walked_deviation(charts, point, record.region);
   site.deviation = std::max(by_ellipse, by_walk);
   const Vec2 principal = point.shape_operator.selfadjointView<Eigen::Lower>().eigenvalues();
   site.curvature = principal.cwiseAbs().maxCoeff();
-  if (record.estimate.mean_inverse_hit > 0.0)
-    site.relative_curvature = site.curvature / record.estimate.mean_inverse_hit;
-  site.reason = site.deviation <= kFlatTurn     ? CurvatureReason::kFlat
-                : site.deviation <= theta_max   ? CurvatureReason::kTurnsLittle
-                : by_ellipse > theta_max        ? CurvatureReason::kEllipseTurns
-                                                : CurvatureReason::kSurfaceTurns;
+  if (record.estimate.hits.mean_inverse > 0.0)
+    site.relative_curvature = site.curvature / record.estimate.hits.mean_inverse;
+  site.reason = site.deviation <= kFlatTurn   ? CurvatureReason::kFlat
+                : site.deviation <= theta_max ? CurvatureReason::kTurnsLittle
+                : by_ellipse > theta_max      ? CurvatureReason::kEllipseTurns
+                                              : CurvatureReason::kSurfaceTurns;
   return site;
 }
 

@@ -142,10 +142,10 @@ TEST(Gather, SeesNoIndirectLightWhereItHitsOnlyEmittersAndSky) {
       EXPECT_EQ(test::entries(e.luminance)[i], 0.0);
       EXPECT_EQ(test::entries(e.variance)[i], 0.0);
     }
-    EXPECT_NEAR(e.nearest_hit, 1.0, 0.02);
-    EXPECT_NEAR(e.nearest_direction.y(), 1.0, 0.02);
-    EXPECT_GT(e.mean_inverse_hit, 0.0);
-    EXPECT_LT(e.mean_inverse_hit, 1.0);
+    EXPECT_NEAR(e.hits.nearest, 1.0, 0.02);
+    EXPECT_NEAR(e.hits.nearest_direction.y(), 1.0, 0.02);
+    EXPECT_GT(e.hits.mean_inverse, 0.0);
+    EXPECT_LT(e.hits.mean_inverse, 1.0);
   }
 }
 
@@ -156,8 +156,8 @@ TEST(Gather, FindsNothingUnderAnEmptySky) {
   for (const RecordSite& site : test::sites_at(scene, {{0.5, 0.5}})) {
     const RadianceEstimate e = test::gather(scene, site, 10, 1);
     EXPECT_EQ(e.luminance.value, 0.0);
-    EXPECT_TRUE(std::isinf(e.nearest_hit));
-    EXPECT_EQ(e.mean_inverse_hit, 0.0);
+    EXPECT_TRUE(std::isinf(e.hits.nearest));
+    EXPECT_EQ(e.hits.mean_inverse, 0.0);
   }
 }
 

@@ -75,7 +75,7 @@ std::vector<RadianceRecord> lattice(double value_deviation, double gradient_devi
     record.site.point = plane().at(p.x(), p.y());
     record.site.frame = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
     record.site.pixel_length = 0.002;
-    record.estimate.nearest_hit = 1e9;
+    record.estimate.hits.nearest = 1e9;
     for (std::size_t c = 0; c < 3; ++c) {
       Jet2& j = record.estimate.radiance[c] = field(c, p.x(), p.y());
       j.value += noise(value_deviation);

@@ -18,7 +18,7 @@ RadianceRecord flat_record(double radius1, double radius2) {
   RadianceRecord record;
   record.site.frame = Frame::around(Vec3::UnitZ());
   record.site.point.normal = Vec3::UnitZ();
-  record.estimate.nearest_hit = std::numeric_limits<double>::infinity();
+  record.estimate.hits.nearest = std::numeric_limits<double>::infinity();
   ValidRegion& r = record.region;
   r.center = Vec3::Zero();
   r.normal = Vec3::UnitZ();
@@ -97,8 +97,8 @@ TEST(ShapeRecord, KeepsTheRadiiBetweenOnePixelAndATenthOfThePicture) {
     record.estimate.luminance = random_jets(bits, std::pow(10.0, 8.0 * bits.uniform() - 3.0))[0];
     record.estimate.radiance.fill(record.estimate.luminance);
     if (run % 2 == 0) {
-      record.estimate.nearest_hit = std::pow(10.0, -4.0 * bits.uniform());
-      record.estimate.nearest_normal = Vec3(bits.uniform() - 0.5, bits.uniform() - 0.5, 0.2).normalized();
+      record.estimate.hits.nearest = std::pow(10.0, -4.0 * bits.uniform());
+      record.estimate.hits.nearest_normal = Vec3(bits.uniform() - 0.5, bits.uniform() - 0.5, 0.2).normalized();
     }
     shape_record(record, rule);
     const ValidRegion& r = record.region;
@@ -107,7 +107,7 @@ TEST(ShapeRecord, KeepsTheRadiiBetweenOnePixelAndATenthOfThePicture) {
       EXPECT_LE(radius, 0.2 * (1.0 + 1e-12));
     }
     // Across the wall the region ends at the nearest hit, or at the smallest radius.
-    EXPECT_LE(std::min(r.radius1, r.radius2), std::max(0.01, record.estimate.nearest_hit));
+    EXPECT_LE(std::min(r.radius1, r.radius2), std::max(0.01, record.estimate.hits.nearest));
     EXPECT_NEAR(r.axis1.norm(), 1.0, 1e-9);
     EXPECT_NEAR(r.axis1.dot(r.axis2), 0.0, 1e-9);
     EXPECT_NEAR(r.axis1.dot(r.normal), 0.0, 1e-9);

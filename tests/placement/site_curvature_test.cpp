@@ -22,7 +22,7 @@ RadianceRecord record_on(const Scene& scene, const SurfacePoint& point, double r
   const Vec3 axis = std::cos(angle) * frame.tangent + std::sin(angle) * frame.bitangent;
   record.region = {point.position, point.normal, axis, point.normal.cross(axis), radius1, radius2,
                    std::min(radius1, radius2), std::cos(kThetaMax)};
-  record.estimate.mean_inverse_hit = 2.0;
+  record.estimate.hits.mean_inverse = 2.0;
   return record;
 }
 

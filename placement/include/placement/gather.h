@@ -22,25 +22,41 @@ struct RecordSite {
 
 [[nodiscard]] RecordSite make_site(const Scene& scene, const SurfacePoint& point, std::uint64_t key);
 
+/// How gather rays are distributed over the hemisphere of the site's normal.
+enum class GatherDirections {
+  kMixture,  ///< By the cosine and by the lobes of the site's BRDF.
+  kCosine,
+  kUniform,  ///< [Zhao eq. 7]
+};
+
 struct GatherOptions {
   int log2_rays = 12;         ///< 2^k rays, k >= 10.
   int bounces = 1;            ///< Of indirect light, as PathOptions::bounces; not 0.
   bool glossy_glossy = true;  ///< Derivative of the radiance that glossy surfaces send to the record.
+  GatherDirections directions = GatherDirections::kMixture;
   std::uint64_t seed = 0;
+};
+
+/// How far the surroundings of a gather are.
+struct HitDistances {
+  double nearest = 0.0;                   ///< Shortest ray; infinity when all escaped.
+  Vec3 nearest_direction = Vec3::Zero();  ///< Of that ray.
+  Vec3 nearest_normal = Vec3::Zero();     ///< Geometric normal where it hit.
+  double mean_inverse = 0.0;              ///< Mean of 1 / distance over the rays. [1/length]
 };
 
 /// Outgoing radiance towards the camera and its derivatives on the surface [Zhao eq. 8-12].
 struct RadianceEstimate {
-  std::array<Jet2, 3> radiance;           ///< Per channel, in the site's frame.
-  Jet2 luminance;                         ///< Of `radiance`.
-  Jet2 variance;                          ///< Of each entry of `luminance`, from sixteen batches.
-  double nearest_hit = 0.0;               ///< Shortest gather ray; infinity when all escaped.
-  Vec3 nearest_direction = Vec3::Zero();  ///< Of that ray.
-  Vec3 nearest_normal = Vec3::Zero();     ///< Geometric normal where it hit.
-  double mean_inverse_hit = 0.0;          ///< Mean of 1 / distance over the rays. [1/length]
+  std::array<Jet2, 3> radiance;  ///< Per channel, in the site's frame.
+  Jet2 luminance;                ///< Of `radiance`.
+  Jet2 variance;                 ///< Of each entry of `luminance`, from sixteen batches.
+  HitDistances hits;
 };
 
-/// Gathers with Owen-scrambled Sobol rays from a mixture of cosine and lobe sampling, and sums the
+/// The luminance of a colour with derivatives.
+[[nodiscard]] Jet2 luminance(const std::array<Jet2, 3>& rgb);
+
+/// Gathers with Owen-scrambled Sobol rays and sums the
 /// closed-form derivatives of every ray's contribution while its hit stays fixed.
 [[nodiscard]] RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site,
                                                const GatherOptions& options, RayCounts& counts);

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "core/sobol.h"
+#include "placement/gather.h"
+#include "transport/lobe_jets.h"
+
+namespace vrc {
+
+/// A scalar with its derivatives per channel, summed over rays; sixteen partial sums.
+struct RgbJet16 {
+  V3x16 value{}, g1{}, g2{}, h11{}, h12{}, h22{};
+
+  /// Adds c j, j the unit jet of c.
+  void add(const V3x16& c, const UnitJet16& j) {
+    value += c;
+    g1 += c * j.g1;
+    g2 += c * j.g2;
+    h11 += c * j.h11;
+    h12 += c * j.h12;
+    h22 += c * j.h22;
+  }
+  /// Adds the product of c j with a factor that has derivatives per channel.
+  void add_product(const V3x16& c, const UnitJet16& j, const RgbJet16& factor) {
+    value += c * factor.value;
+    g1 += c * (factor.value * j.g1 + factor.g1);
+    g2 += c * (factor.value * j.g2 + factor.g2);
+    h11 += c * (factor.value * j.h11 + factor.g1 * (2.0f * j.g1) + factor.h11);
+    h12 += c * (factor.value * j.h12 + factor.g1 * j.g2 + factor.g2 * j.g1 + factor.h12);
+    h22 += c * (factor.value * j.h22 + factor.g2 * (2.0f * j.g2) + factor.h22);
+  }
+};
+
+/// Sixteen gather rays of which some met a lit surface.
+struct GatherPacket16 {
+  V3x16 direction;      ///< Unit.
+  F16 inverse_density;  ///< Of the rays per solid angle; 0 in lanes that found nothing.
+  MovingPoint16 moving;
+  UnitJet16 facing;   ///< Of -n_y . (y - x): the cosine at the hit times the distance.
+  RgbJet16 incident;  ///< Radiance that the hit sends back, derivatives divided by nothing.
+};
+
+/// How the columns of the sample grid are shared out, in eighths: rays by the cosine or uniform ones
+/// first, then the glossy lobes. Cosine rays carry the diffuse part, lobe rays the highlights; all see
+/// everything.
+struct GatherStrategy {
+  enum class Kind { kCosine, kUniform, kLobe };
+  Kind kind = Kind::kCosine;
+  const Lobe* lobe = nullptr;
+  float begin = 0.0f, end = 1.0f;
+};
+
+/// The rays of one record's gather.
+class GatherRays {
+ public:
+  GatherRays(const Scene& scene, const RecordSite& site, const GatherOptions& options, RayCounts& counts);
+
+  /// Calls body(packet) for all packets of the gather that found light.
+  template <typename Body>
+  void for_each_packet(const Body& body) {
+    static thread_local SobolGrid grid;  // storage only: filled anew for every record
+    fill_sobol_grid(grid, options_.log2_rays, sobol_seed_);
+    rays_ = grid.size();
+    for (std::size_t i = 0; i < grid.size(); i += kLanes) {
+      F16 u[kSobolDimensions];
+      for (int d = 0; d < kSobolDimensions; ++d) __builtin_memcpy(&u[d], grid.u[d].data() + i, sizeof(F16));
+      GatherPacket16 packet;
+      if (trace(u, static_cast<std::uint32_t>(i), packet)) body(packet);
+    }
+  }
+
+  [[nodiscard]] const Bsdf& bsdf() const { return bsdf_; }
+  [[nodiscard]] double ray_count() const { return static_cast<double>(rays_); }
+  /// The pair of directions of a packet at the record.
+  [[nodiscard]] Directions16 directions_at_record(const GatherPacket16& packet) const {
+    return directions(normal_, to_camera_, packet.direction);
+  }
+  /// Fills in the distances of the hits.
+  void describe_hits(HitDistances& hits) const;
+
+ private:
+  /// False when no ray found light.
+  bool trace(const F16 (&u)[kSobolDimensions], std::uint32_t first_index, GatherPacket16& packet);
+  [[nodiscard]] V3x16 to_frame(const V3x16& v) const;
+  [[nodiscard]] V3x16 sample_direction(F16 u1, F16 u2) const;
+  [[nodiscard]] F16 mixture_pdf(const Directions16& d) const;
+  void note_distances(const SurfacePoint16& hit, const V3x16& direction);
+  void add_reflection(I16 active, const SurfacePoint16& hit, const V3x16& m, const V3x16& radiance,
+                      GatherPacket16& packet) const;
+  void add_direct_light(I16 active, const SurfacePoint16& hit, F16 u1, F16 u2, GatherPacket16& packet);
+  void add_bounced_light(I16 active, const SurfacePoint16& hit, std::uint32_t first_index,
+                         GatherPacket16& packet);
+
+  const Scene& scene_;
+  const GatherOptions& options_;
+  RayCounts& counts_;
+  const Bsdf& bsdf_;
+  std::vector<GatherStrategy> strategies_;
+  RecordFrame frame_;
+  V3x16 normal_, geometric_normal_, to_camera_, origin_;
+  std::uint64_t sobol_seed_ = 0;
+  std::uint32_t path_seed_ = 0;
+  std::size_t rays_ = 0;
+
+  F16 nearest_ = splat(std::numeric_limits<float>::infinity());
+  V3x16 nearest_direction_{}, nearest_normal_{};
+  F16 inverse_distance_{};
+};
+
+/// Sum of the lanes in double precision.
+[[nodiscard]] inline double lane_total(F16 v) {
+  double sum = 0.0;
+  for (int i = 0; i < kLanes; ++i) sum += v[i];
+  return sum;
+}
+
+}  // namespace vrc
