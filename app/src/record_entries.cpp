@@ -9,19 +9,6 @@
 namespace vrc {
 namespace {
 
-/// Luminance of a jet of three channels.
-Jet2 luminance_jet(const std::array<Jet2, 3>& rgb) {
-  Jet2 sum;
-  const std::array<std::array<double, 3>, 3> unit{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double weight = luminance(unit[c]);
-    sum.value += weight * rgb[c].value;
-    sum.gradient += weight * rgb[c].gradient;
-    sum.hessian += weight * rgb[c].hessian;
-  }
-  return sum;
-}
-
 void set_gathered(RecordMapEntry& entry, const RadianceEstimate& estimate) {
   entry.luminance_deviation = static_cast<float>(std::sqrt(std::max(0.0, estimate.variance.value)));
   entry.nearest_hit = static_cast<float>(estimate.hits.nearest);
@@ -30,7 +17,7 @@ void set_gathered(RecordMapEntry& entry, const RadianceEstimate& estimate) {
 
 RecordMapEntry entry_of(const SceneCharts& charts, const RadianceRecord& record) {
   const ValidRegion& region = record.region;
-  const Jet2 jet = luminance_jet(record.radiance);
+  const Jet2 jet = luminance(record.radiance);
   // Rows: the axes of the region in the frame of the derivatives.
   const Frame& frame = record.site.frame;
   Mat2 axes;
@@ -53,6 +40,7 @@ RecordMapEntry entry_of(const SceneCharts& charts, const RadianceRecord& record)
   entry.clamp_factor = static_cast<float>(record.clamp_factor);
   set_gathered(entry, record.estimate);
   entry.curvature = record.curvature;
+  entry.is_sh = record.uses_harmonics() ? 1 : 0;
   const SurfacePoint& point = record.site.point;
   entry.region = static_cast<std::uint32_t>(point.region);
   entry.face = point.triangle;

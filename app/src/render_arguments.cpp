@@ -146,6 +146,24 @@ void declare_cache(CLI::App& command, CacheOptions& cache) {
   group(add_choice(command, "--sampler", cache.sampler,
                    {{"image", Sampler::kImage}, {"surface", Sampler::kSurface}},
                    "Place records by the picture's pixels, or around each other over the surfaces"));
+  group(add_choice(command, "--strategy", cache.strategy,
+                   {{"view-dependent", Strategy::kViewDependent},
+                    {"view-independent", Strategy::kViewIndependent},
+                    {"view-independent-outgoing", Strategy::kViewIndependentOutgoing}},
+                   "Record radii by the radiance towards the camera, or by the incident or outgoing radiance "
+                   "of all directions"));
+  group(add_choice(command, "--representation", cache.representation,
+                   {{"analytic", Representation::kAnalytic},
+                    {"sh", Representation::kHarmonics},
+                    {"hybrid", Representation::kHybrid}},
+                   "What records hold: radiance with derivatives, incident radiance in spherical harmonics, "
+                   "or these where --sh-rule says so"));
+  group(add_choice(command, "--sh-rule", cache.harmonics_rule,
+                   {{"auto", HarmonicsRule::kAuto}, {"paper", HarmonicsRule::kPaper}},
+                   "Spherical harmonics of a hybrid cache: on small convex objects, or wherever the normal "
+                   "turns by more than --max-normal-deviation in a record"));
+  group(add_number(command, "--sh-order", cache.harmonics_order, NumberRange<int>{1, sh::kMaxFrameOrder},
+                   "Order of spherical harmonics", "by sharpness, 10 to 24"));
   group(add_choice(command, "--placement", cache.metric,
                    {{"hessian", PlacementMetric::kHessian}, {"uniform", PlacementMetric::kUniform}},
                    "Record radii by the radiance Hessian, or one radius everywhere"));

@@ -100,6 +100,7 @@ void fit_jointly(const SceneCharts& charts, std::vector<RadianceRecord>& records
   const ChartPoints centers(charts.patch_count(), points);
   // Only `radiance` and `clamp_factor` change, which no fit reads.
   parallel_for(records.size(), [&](std::size_t i) {
+    if (records[i].uses_harmonics()) return;
     set_radiance(records[i], fit(centers, records, reaches[i], i, rule.mean_luminance), rule.mean_luminance);
   });
 }

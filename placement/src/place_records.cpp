@@ -10,7 +10,7 @@
 #include "core/parallel.h"
 #include "open_samples.h"
 #include "placement/joint_fit.h"
-#include "placement/record_maker.h"
+#include "placement/record_factory.h"
 #include "placement/visible_points.h"
 #include "point_chooser.h"
 
@@ -34,6 +34,7 @@ class Placement {
         options_(options),
         control_(control),
         charts_(make_charts()),
+        factory_(*charts_, options),
         points_(options.sampler == Sampler::kImage ? pixel_centres(*charts_, view, result_.counts.camera)
                                                    : film_points(*charts_, view, result_.counts.camera)) {
     gather_.bounces = bounces;
@@ -58,7 +59,7 @@ class Placement {
     }
     reach_widely();
     result_.phases.push_back(timer.elapsed());
-    if (options_.joint_fit) {
+    if (options_.joint_fit && options_.representation != Representation::kHarmonics) {
       PhaseTimer fit_timer("fit records");
       fit_jointly(*charts_, result_.records, result_.reaches, rule_);
       result_.phases.push_back(fit_timer.elapsed());
@@ -67,6 +68,7 @@ class Placement {
     classify();
     result_.phases.push_back(class_timer.elapsed());
     result_.charts = charts_;
+    result_.brdfs = factory_.brdfs();
     result_.epsilon = rule_.epsilon;
     result_.mean_luminance = rule_.mean_luminance;
     return std::move(result_);
@@ -85,11 +87,11 @@ class Placement {
     return std::min(0.12 * error * error, 133.0 * error * error * error * error);
   }
 
-  void make(const std::vector<RecordSite>& sites) {
+  void make(const std::vector<RecordSite>& sites, const RecordFactory& factory) {
     std::vector<RadianceRecord> made(sites.size());
     std::vector<RayCounts> counts(sites.size());
     parallel_for(sites.size(), [&](std::size_t i) {
-      if (!control_.stopped()) made[i] = make_record(scene_, sites[i], gather_, noise_goal_, counts[i]);
+      if (!control_.stopped()) made[i] = factory.make(sites[i], gather_, noise_goal_, counts[i]);
     });
     if (control_.stopped()) {
       result_.unfinished = true;
@@ -101,19 +103,28 @@ class Placement {
     }
   }
 
-  void make_at(std::span<const std::uint32_t> points) {
+  void make_at(std::span<const std::uint32_t> points, const RecordFactory& factory) {
     std::vector<RecordSite> sites;
     for (const std::uint32_t i : points)
       sites.push_back(make_site(scene_, points_.surface_point(i), points_.key(i)));
-    make(sites);
+    make(sites, factory);
+  }
+
+  /// Gives the records from `first` on their regions.
+  void shape(std::size_t first) {
+    std::vector<RayCounts> counts(result_.records.size() - first);
+    parallel_for(counts.size(), [&](std::size_t i) {
+      factory_.shape(result_.records[first + i], rule_, gather_, counts[i]);
+    });
+    for (const RayCounts& c : counts) result_.counts += c;
   }
 
   /// Gives the records from `first` on their regions and marks the points that these cover.
   void shape_and_cover(std::size_t first) {
+    shape(first);
     std::vector<SurfaceReach> reaches(result_.records.size() - first);
     parallel_for(reaches.size(), [&](std::size_t i) {
-      RadianceRecord& record = result_.records[first + i];
-      shape_record(record, rule_);
+      const RadianceRecord& record = result_.records[first + i];
       reaches[i] = reach_over_surface(*charts_, record.site.point, record.region, 1.0);
     });
     for (std::size_t i = 0; i < reaches.size(); ++i)
@@ -126,7 +137,10 @@ class Placement {
     std::vector<std::uint32_t> pilots(points_.pilot_count());
     std::iota(pilots.begin(), pilots.end(), 0u);
     gather_.log2_rays = kLog2PilotRays;
-    make_at(pilots);
+    CacheOptions cheap = options_;
+    cheap.representation = Representation::kAnalytic;
+    cheap.strategy = Strategy::kViewDependent;
+    make_at(pilots, RecordFactory(*charts_, cheap));
     double sum = 0.0;
     for (const RadianceRecord& record : result_.records) sum += record.estimate.luminance.value;
     rule_.mean_luminance =
@@ -186,7 +200,7 @@ class Placement {
           chooser.choose(result_.records, limit - result_.records.size());
       if (chosen.empty()) break;
       const std::size_t first = result_.records.size();
-      make_at(chosen);
+      make_at(chosen, factory_);
       for (const std::uint32_t i : chosen) points_.take(i);
       shape_and_cover(first);
       control_.report({"place records", chooser.progress(), result_.records.size(),
@@ -246,7 +260,7 @@ class Placement {
     for (std::size_t i = 0; i < tiles.size(); ++i) tiles[i] = i;
     for (int round = 0; round < kSampleRounds && !tiles.empty() && !result_.unfinished; ++round) {
       reach_widely();
-      const RadianceCache cache(charts_, result_.records, result_.reaches);
+      const RadianceCache cache(charts_, result_.records, result_.reaches, factory_.brdfs());
       std::vector<std::vector<OpenSample>> open(tiles.size());
       std::vector<RayCounts> counts(tiles.size());
       parallel_for(tiles.size(), [&](std::size_t i) {
@@ -263,8 +277,8 @@ class Placement {
         }
       }
       const std::size_t first = result_.records.size();
-      make(sites);
-      for (std::size_t i = first; i < result_.records.size(); ++i) shape_record(result_.records[i], rule_);
+      make(sites, factory_);
+      shape(first);
       tiles = std::move(again);
     }
   }
@@ -282,6 +296,7 @@ class Placement {
   const RunControl& control_;
   PlacementResult result_;
   std::shared_ptr<const SceneCharts> charts_;
+  RecordFactory factory_;
   VisiblePoints points_;
   std::unique_ptr<PointChooser> chooser_;
   GatherOptions gather_;

@@ -34,6 +34,13 @@ PackedRecord pack(const RadianceRecord& record) {
     p.h12[c] = static_cast<float>(a.dot(jet.hessian * b));
     p.h22[c] = static_cast<float>(b.dot(jet.hessian * b));
   }
+  if (record.uses_harmonics()) p.harmonics = &record.harmonics->incident;
+  for (int i = 0; i < 2; ++i) {
+    p.in_frame[0][i] = static_cast<float>(a[i]);
+    p.in_frame[1][i] = static_cast<float>(b[i]);
+  }
+  p.gradient_factor = static_cast<float>(record.gradient_factor);
+  p.hessian_factor = static_cast<float>(record.hessian_factor);
   return p;
 }
 
@@ -63,14 +70,41 @@ V3x16 extrapolate(const PackedRecord& record, const Coverage16& c, int order) {
   return {channel(0), channel(1), channel(2)};
 }
 
+V3x16 extrapolate(const PackedRecord& record, std::span<const V3x16> weights, const Coverage16& c,
+                  int order) {
+  constexpr int kEntries = IncidentHarmonics::kEntries;
+  F16 sums[3 * kEntries] = {};
+  const float* column = record.harmonics->coefficients.data();
+  for (const V3x16& w : weights) {
+    for (int k = 0; k < kEntries; ++k) {
+      sums[k] += w.x * column[k];
+      sums[kEntries + k] += w.y * column[kEntries + k];
+      sums[2 * kEntries + k] += w.z * column[2 * kEntries + k];
+    }
+    column += 3 * kEntries;
+  }
+  const F16 d1 = c.a * record.in_frame[0][0] + c.b * record.in_frame[1][0];
+  const F16 d2 = c.a * record.in_frame[0][1] + c.b * record.in_frame[1][1];
+  const auto channel = [&](const F16* s) {
+    F16 v = s[0];
+    if (order >= 1) v += record.gradient_factor * (d1 * s[1] + d2 * s[2]);
+    if (order >= 2)
+      v += record.hessian_factor * (0.5f * d1 * d1 * s[3] + d1 * d2 * s[4] + 0.5f * d2 * d2 * s[5]);
+    return max(v, 0.0f);
+  };
+  return {channel(sums), channel(sums + kEntries), channel(sums + 2 * kEntries)};
+}
+
 RadianceCache::RadianceCache(std::shared_ptr<const SceneCharts> charts, std::vector<RadianceRecord> records,
-                             std::span<const SurfaceReach> reaches)
-    : charts_(std::move(charts)), records_(std::move(records)) {
+                             std::span<const SurfaceReach> reaches,
+                             std::shared_ptr<const BrdfHarmonicsSet> brdfs)
+    : charts_(std::move(charts)), records_(std::move(records)), brdfs_(std::move(brdfs)) {
   VRC_CHECK(reaches.size() == records_.size(), "{} reaches of {} records", reaches.size(), records_.size());
   packed_.reserve(records_.size());
   std::vector<PatchFootprint> boxes;
   for (std::uint32_t i = 0; i < records_.size(); ++i) {
     packed_.push_back(pack(records_[i]));
+    VRC_CHECK(!records_[i].uses_harmonics() || brdfs_ != nullptr, "record {} has no BRDFs", i);
     const SurfaceReach& reach = reaches[i];
     VRC_CHECK(slots_.size() + reach.slots.size() < kInvalidIndex, "the records reach too many triangles");
     for (const PatchBox& box : reach.boxes) {

@@ -5,6 +5,12 @@
 
 namespace vrc {
 
+std::string_view name_of(HarmonicsReason reason) {
+  constexpr std::array<std::string_view, kHarmonicsReasons> kNames = {"none", "always", "turns",
+                                                                      "small-convex"};
+  return kNames[static_cast<std::size_t>(reason)];
+}
+
 std::vector<SurfaceReach> reaches_of(const SceneCharts& charts, std::span<const RadianceRecord> records,
                                      double support) {
   std::vector<SurfaceReach> reaches(records.size());

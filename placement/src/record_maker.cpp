@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace vrc {
 namespace {
@@ -10,6 +11,7 @@ namespace {
 constexpr double kDarkShare = 0.2;            // of the mean luminance, in `perceived`
 constexpr double kMaximumPictureShare = 0.1;  // [Zhao 5]
 constexpr double kSteepWall = 0.5;            // sine of the least angle between surface and wall
+constexpr double kHarmonicsTurn = 0.5;        // largest angle of normals across a record of harmonics [rad]
 constexpr double kAlongCrease = 6.0;          // times the nearest hit: along the crease of a wall
 
 /// The same surface half a pixel farther from the nearest hit; nothing when the surface ends there.
@@ -32,23 +34,58 @@ std::optional<SurfacePoint> moved_out_of_crease(const Scene& scene, const Record
   return scene.surface_point(triangle, hit.u[0], hit.v[0], scene.camera().origin);
 }
 
-/// Scales derivatives so that over the half axes neither order changes the value by more than `limit`.
-double limit_jet(Jet2& jet, const Vec2& half1, const Vec2& half2, double limit) {
-  double factor = 1.0;
-  const double change = std::hypot(jet.gradient.dot(half1), jet.gradient.dot(half2));
-  if (change > limit) {
-    factor = limit / change;
-    jet.gradient *= factor;
-  }
-  Mat2 h;
-  h << half1.dot(jet.hessian * half1), half1.dot(jet.hessian * half2), half2.dot(jet.hessian * half1),
-      half2.dot(jet.hessian * half2);
-  const double bend = 0.5 * h.norm();
-  if (bend > limit) {
-    jet.hessian *= limit / bend;
-    factor = std::min(factor, limit / bend);
-  }
-  return factor;
+/// What limits the derivatives of something over an ellipse.
+struct Limits {
+  double gradient = 1.0, hessian = 1.0;
+};
+
+/// The factors that bring the changes of both orders over the ellipse down to `limit`.
+Limits limits_for(double gradient_change, double hessian_change, double limit) {
+  return {gradient_change > limit ? limit / gradient_change : 1.0,
+          hessian_change > limit ? limit / hessian_change : 1.0};
+}
+
+/// The half axes of a region in the frame of its record's derivatives, as columns.
+Mat2 half_axes(const ValidRegion& region, const Frame& frame) {
+  Mat2 half;
+  half.col(0) = region.radius1 * Vec2(region.axis1.dot(frame.tangent), region.axis1.dot(frame.bitangent));
+  half.col(1) = region.radius2 * Vec2(region.axis2.dot(frame.tangent), region.axis2.dot(frame.bitangent));
+  return half;
+}
+
+/// Changes of a jet over the region by its two orders.
+Limits limits_of(const Jet2& jet, const Mat2& half, double limit) {
+  return limits_for((half.transpose() * jet.gradient).norm(),
+                    0.5 * (half.transpose() * jet.hessian * half).norm(), limit);
+}
+
+/// Of all coefficients of the luminance together, which change like a vector.
+Limits limits_of(const IncidentHarmonics& incident, const Mat2& half) {
+  constexpr int kEntries = IncidentHarmonics::kEntries;
+  const auto luminances = [&](int entry) -> Eigen::ArrayXd {
+    const auto row = [&](int c) {
+      return incident.coefficients.row(kEntries * c + entry).transpose().cast<double>();
+    };
+    return 0.212671 * row(0) + 0.715160 * row(1) + 0.072169 * row(2);
+  };
+  const Eigen::ArrayXd d1 = luminances(1), d2 = luminances(2);
+  const Eigen::ArrayXd h11 = luminances(3), h12 = luminances(4), h22 = luminances(5);
+  const auto squared = [](const Eigen::ArrayXd& a) { return a.matrix().squaredNorm(); };
+  const auto along = [&](const Vec2& a) -> Eigen::ArrayXd { return a[0] * d1 + a[1] * d2; };
+  const auto bend = [&](const Vec2& a, const Vec2& b) -> Eigen::ArrayXd {
+    return a[0] * b[0] * h11 + (a[0] * b[1] + a[1] * b[0]) * h12 + a[1] * b[1] * h22;
+  };
+  const Vec2 a = half.col(0), b = half.col(1);
+  return limits_for(std::sqrt(squared(along(a)) + squared(along(b))),
+                    0.5 * std::sqrt(squared(bend(a, a)) + 2.0 * squared(bend(a, b)) + squared(bend(b, b))),
+                    std::sqrt(squared(luminances(0))));
+}
+
+/// What the radii bound the error of.
+const Jet2& metric_of(const RadianceRecord& record) {
+  if (record.harmonics && record.harmonics->all_directions.value > 0.0)
+    return record.harmonics->all_directions;
+  return record.uses_harmonics() ? record.harmonics->luminance : record.estimate.luminance;
 }
 
 /// Hits stay fixed in the derivatives, so a region must not reach the nearest of them. A wall that
@@ -74,8 +111,10 @@ void shape_record(RadianceRecord& record, const RegionRule& rule) {
   const RecordSite& site = record.site;
   const double picture = site.pixel_length * rule.picture_width;
 
-  const Jet2& brightness = record.estimate.luminance;
-  const double reference = perceived(brightness.value, rule.mean_luminance);
+  const Jet2& brightness = metric_of(record);
+  const double reference = rule.options->strategy == Strategy::kViewDependent
+                               ? perceived(brightness.value, rule.mean_luminance)
+                               : std::max(brightness.value, 1e-30);
   RegionAxes axes = hessian_radii(brightness, reference, rule.epsilon * picture * picture,
                                   rule.options->gradient_share, kMaximumPictureShare * picture);
   if (rule.options->metric == PlacementMetric::kUniform) {
@@ -93,27 +132,32 @@ void shape_record(RadianceRecord& record, const RegionRule& rule) {
   region.radius1 = axes.radius1;
   region.radius2 = axes.radius2;
   region.normal_radius = std::min(axes.radius1, axes.radius2);
-  region.cos_max_deviation = std::cos(rule.options->max_normal_deviation);
-  set_radiance(record, record.estimate.radiance, rule.mean_luminance);
+  region.cos_max_deviation =
+      std::cos(record.uses_harmonics() ? kHarmonicsTurn : rule.options->max_normal_deviation);
+  set_radiance(record, record.uses_harmonics() ? record.harmonics->radiance : record.estimate.radiance,
+               rule.mean_luminance);
 }
 
 void set_radiance(RadianceRecord& record, const std::array<Jet2, 3>& jets, double mean_luminance) {
   const ValidRegion& region = record.region;
-  const Frame& frame = record.site.frame;
-  const Vec2 half1 =
-      region.radius1 * Vec2(region.axis1.dot(frame.tangent), region.axis1.dot(frame.bitangent));
-  const Vec2 half2 =
-      region.radius2 * Vec2(region.axis2.dot(frame.tangent), region.axis2.dot(frame.bitangent));
-  record.radiance = jets;
-  record.clamp_factor = 1.0;
+  const Mat2 half = half_axes(region, record.site.frame);
   // Derivatives hold no farther than the nearest hit; a region that the minimum radius makes larger
   // extrapolates as if its edge were there.
   const double trust = std::min(1.0, record.estimate.hits.nearest / std::max(region.radius1, region.radius2));
+  record.radiance = jets;
+  record.clamp_factor = 1.0;
+  std::optional<Limits> common;
+  if (record.uses_harmonics()) {
+    common = limits_of(record.harmonics->incident, trust * half);
+    record.gradient_factor = trust * common->gradient;
+    record.hessian_factor = trust * trust * common->hessian;
+  }
   for (Jet2& jet : record.radiance) {
-    jet.gradient *= trust;
-    jet.hessian *= trust * trust;
-    const double factor = trust * limit_jet(jet, half1, half2, perceived(jet.value, mean_luminance));
-    record.clamp_factor = std::min(record.clamp_factor, factor);
+    const double limit = perceived(jet.value, mean_luminance);
+    const Limits limits = common ? *common : limits_of(jet, trust * half, limit);
+    jet.gradient *= trust * limits.gradient;
+    jet.hessian *= trust * trust * limits.hessian;
+    record.clamp_factor = std::min(record.clamp_factor, trust * std::min(limits.gradient, limits.hessian));
   }
 }
 
@@ -122,24 +166,22 @@ int log2_rays_for(int log2_rays, double deviation, double wanted) {
   return std::clamp(log2_rays + static_cast<int>(std::lround(doublings)), kFewestLog2Rays, kMostLog2Rays);
 }
 
-RadianceRecord make_record(const Scene& scene, const RecordSite& site, const GatherOptions& gather,
-                           const NoiseGoal& goal, RayCounts& counts) {
+RadianceRecord make_record(const Scene& scene, const RecordSite& site, const Gather& gather, int log2_rays,
+                           const NoiseGoal& goal) {
   RadianceRecord record;
   record.site = site;
-  record.estimate = gather_radiance(scene, site, gather, counts);
+  record.estimate = gather(site, log2_rays);
   if (record.estimate.hits.nearest < 0.5 * site.pixel_length) {
     if (const auto moved = moved_out_of_crease(scene, site, record.estimate.hits.nearest_direction)) {
       record.site = make_site(scene, *moved, site.key);
-      record.estimate = gather_radiance(scene, record.site, gather, counts);
+      record.estimate = gather(record.site, log2_rays);
     }
   }
   if (goal.relative > 0.0) {
     const double deviation = std::sqrt(record.estimate.variance.value);
     const double wanted = goal.relative * perceived(record.estimate.luminance.value, goal.mean_luminance);
-    GatherOptions more = gather;
-    more.log2_rays = log2_rays_for(gather.log2_rays, deviation, wanted);
-    if (more.log2_rays > gather.log2_rays)
-      record.estimate = gather_radiance(scene, record.site, more, counts);
+    const int more = log2_rays_for(log2_rays, deviation, wanted);
+    if (more > log2_rays) record.estimate = gather(record.site, more);
   }
   return record;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "shading/interpolate.h"
 
+#include "packet_response.h"
 #include "placement/place_records.h"
 
 namespace vrc {
@@ -11,13 +12,16 @@ struct WeightedSum {
   F16 weight{};
 };
 
-WeightedSum blend_records(const TileRecords& records, std::size_t packet, int order, double support) {
+WeightedSum blend_records(const TileRecords& records, std::size_t packet, int order, double support,
+                          PacketResponse& response) {
   WeightedSum sum;
   records.for_each(packet, static_cast<float>(support), [&](const PackedRecord& record, const Coverage16& c) {
     // Limited derivatives hold up to the ordinary support: farther out the value there is taken.
     const F16 distance = sqrt(c.a * c.a + c.b * c.b);
     const F16 inward = min(static_cast<float>(kBlendSupport) / max(distance, 1e-20f), 1.0f);
-    const V3x16 value = extrapolate(record, {c.a * inward, c.b * inward, c.weight}, order);
+    const Coverage16 limited = {c.a * inward, c.b * inward, c.weight};
+    const V3x16 value = record.harmonics != nullptr ? extrapolate(record, response.weights(), limited, order)
+                                                    : extrapolate(record, limited, order);
     sum.radiance += select(c.weight > 0.0f, value * c.weight, V3x16{});
     sum.weight += c.weight;
   });
@@ -29,11 +33,13 @@ WeightedSum blend_records(const TileRecords& records, std::size_t packet, int or
 V3x16 interpolate(const TileRecords& records, std::size_t packet, int taylor_order) {
   const SurfacePoint16& p = records.tile().points[packet];
   if (!any(p.scatters)) return V3x16{};
-  const WeightedSum near = blend_records(records, packet, taylor_order, kBlendSupport);
+  const V3x16 to_viewer = -records.tile().packets[packet].direction;
+  PacketResponse response(records.cache().brdfs(), p, to_viewer);
+  const WeightedSum near = blend_records(records, packet, taylor_order, kBlendSupport, response);
   V3x16 result = near.radiance * (1.0f / max(near.weight, 1e-20f));
   const I16 missed = p.scatters & ~(near.weight > 0.0f);
   if (any(missed)) {
-    const WeightedSum wide = blend_records(records, packet, taylor_order, kWideSupport);
+    const WeightedSum wide = blend_records(records, packet, taylor_order, kWideSupport, response);
     result = select(missed, wide.radiance * (1.0f / max(wide.weight, 1e-20f)), result);
   }
   return result;

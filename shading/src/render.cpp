@@ -98,7 +98,8 @@ class Renderer {
     result.stats.phases = std::move(placed.phases);
     result.stats.records = placed.records.size();
     result.stats.unfinished = placed.unfinished;
-    cache_.emplace(std::move(placed.charts), std::move(placed.records), placed.reaches);
+    cache_.emplace(std::move(placed.charts), std::move(placed.records), placed.reaches,
+                   std::move(placed.brdfs));
   }
 
   void render_tile(std::size_t index, Image& image, RayCounts& counts) const {

@@ -21,6 +21,8 @@ float sharpness(const Lobe& lobe) {
   return -1.0f;  // Lambert comes first
 }
 
+}  // namespace
+
 bool same_shape(const Lobe& a, const Lobe& b) {
   if (a.index() != b.index()) return false;
   if (const auto* phong = std::get_if<PhongLobe>(&a))
@@ -32,8 +34,6 @@ bool same_shape(const Lobe& a, const Lobe& b) {
   }
   return true;
 }
-
-}  // namespace
 
 void scale(Material& material, float weight) {
   for (Lobe& lobe : material.lobes) reflectance(lobe) *= weight;

@@ -15,6 +15,26 @@ enum class Sampler {
   kSurface,  ///< Neighbours around the ellipses of records, over the charts of the surfaces.
 };
 
+/// What the radii of records bound the error of.
+enum class Strategy {
+  kViewDependent,           ///< Radiance towards the camera [Zhao 4.1.1].
+  kViewIndependent,         ///< Incident radiance from all directions [Zhao eq. 5-6].
+  kViewIndependentOutgoing  ///< Outgoing radiance in all directions.
+};
+
+/// What records hold.
+enum class Representation {
+  kAnalytic,   ///< Radiance towards the camera with its derivatives.
+  kHarmonics,  ///< Incident radiance in spherical harmonics.
+  kHybrid      ///< Radiance, but spherical harmonics where `HarmonicsRule` says so.
+};
+
+/// Where a hybrid cache holds spherical harmonics.
+enum class HarmonicsRule {
+  kPaper,  ///< Where the normal turns by more than theta_max within the ellipse [Zhao 4.3.4].
+  kAuto    ///< Where measurements say that they are better (docs/decisions).
+};
+
 /// How records are made. The defaults need no tuning on ordinary scenes.
 struct CacheOptions {
   double error = 0.03;        ///< Accepted relative error of the picture; smaller makes more records.
@@ -25,9 +45,13 @@ struct CacheOptions {
   Sampler sampler = Sampler::kImage;
   PlacementMetric metric = PlacementMetric::kHessian;
   double max_normal_deviation = 0.15;  ///< theta_max of eq. 13. [rad]
-  double gradient_share =
-      1.0;                ///< Of g g^T / L in the metric of eq. 4, for slopes where H passes 0; 0: eq. 4.
-  bool joint_fit = true;  ///< Refine records by their neighbours' values, weighted by noise.
+  /// Of g g^T / L in the metric of eq. 4, for slopes where H passes 0; 0: eq. 4.
+  double gradient_share = 1.0;
+  Strategy strategy = Strategy::kViewDependent;
+  Representation representation = Representation::kHybrid;
+  HarmonicsRule harmonics_rule = HarmonicsRule::kAuto;
+  int harmonics_order = 0;  ///< Of spherical harmonics; 0 chooses by the sharpest lobe that they suit.
+  bool joint_fit = true;    ///< Refine records by their neighbours' values, weighted by noise.
 };
 
 }  // namespace vrc

@@ -48,8 +48,7 @@ class ChartPoints {
                                                      std::uint32_t count) {
     const double a = low * grid.cells_per_unit, b = high * grid.cells_per_unit;
     if (!(b >= 0.0 && a < count)) return {0, -1};
-    return {static_cast<std::int64_t>(std::max(a, 0.0)),
-            static_cast<std::int64_t>(std::min(b, count - 1.0))};
+    return {static_cast<std::int64_t>(std::max(a, 0.0)), static_cast<std::int64_t>(std::min(b, count - 1.0))};
   }
   [[nodiscard]] std::size_t cell_of(const ChartPoint& point) const;
 

@@ -18,7 +18,8 @@ struct PlacementView {
 struct PlacementResult {
   std::shared_ptr<const SceneCharts> charts;
   std::vector<RadianceRecord> records;
-  std::vector<SurfaceReach> reaches;  ///< Of the records, at kWideSupport.
+  std::shared_ptr<const BrdfHarmonicsSet> brdfs;  ///< For records of spherical harmonics, or null.
+  std::vector<SurfaceReach> reaches;              ///< Of the records, at kWideSupport.
   RayCounts counts;
   std::vector<PhaseTime> phases;
   double epsilon = 0.0;  ///< The threshold that was used (RegionRule::epsilon).

@@ -9,6 +9,7 @@
 #include "geometry/region_index.h"
 #include "placement/record.h"
 #include "placement/scene_charts.h"
+#include "transport/brdf_harmonics.h"
 
 namespace vrc {
 
@@ -21,6 +22,9 @@ struct PackedRecord {
   float inverse_deviation;  ///< 1 / (1 - cos_max_deviation)
   float reach;              ///< Largest radius.
   float value[3], g1[3], g2[3], h11[3], h12[3], h22[3];
+  const IncidentHarmonics* harmonics = nullptr;  ///< If the record uses them; what they need beside:
+  float in_frame[2][2];                          ///< The half axes in the frame of their derivatives.
+  float gradient_factor, hessian_factor;
 };
 
 [[nodiscard]] PackedRecord pack(const RadianceRecord& record);
@@ -39,6 +43,11 @@ struct Coverage16 {
 /// The Taylor polynomial of [Zhao eq. 13].
 [[nodiscard]] V3x16 extrapolate(const PackedRecord& record, const Coverage16& c, int order);
 
+/// The same of the coefficients of a record with harmonics, and what a BRDF reflects of the result.
+/// `weights` (BrdfHarmonics::response of each lane) has an entry for each coefficient.
+[[nodiscard]] V3x16 extrapolate(const PackedRecord& record, std::span<const V3x16> weights,
+                                const Coverage16& c, int order);
+
 /// Records registered in all charts that they reach over the surface, and looked up there. Immutable.
 /// The charts and their scene must outlive look-ups of points.
 class RadianceCache {
@@ -52,18 +61,22 @@ class RadianceCache {
     std::uint32_t slot_mask = 0;   ///< 0: all of the patch.
   };
 
-  /// `reaches` are those of the records with the largest support that they are used with.
+  /// `reaches` are those of the records with the largest support that they are used with. Records of
+  /// spherical harmonics need `brdfs`.
   RadianceCache(std::shared_ptr<const SceneCharts> charts, std::vector<RadianceRecord> records,
-                std::span<const SurfaceReach> reaches);
+                std::span<const SurfaceReach> reaches,
+                std::shared_ptr<const BrdfHarmonicsSet> brdfs = nullptr);
 
   [[nodiscard]] const SceneCharts& charts() const { return *charts_; }
   [[nodiscard]] std::span<const RadianceRecord> records() const { return records_; }
+  [[nodiscard]] const BrdfHarmonicsSet* brdfs() const { return brdfs_.get(); }
   [[nodiscard]] std::span<const PackedRecord> packed() const { return packed_; }
   /// By records, and for one record by patches.
   [[nodiscard]] std::span<const Footprint> footprints() const { return footprints_; }
 
   /// Appends the indices of all footprints in a patch that meet a box there, in rising order.
-  void find(std::uint32_t patch, const Vec2& low, const Vec2& high, std::vector<std::uint32_t>& result) const {
+  void find(std::uint32_t patch, const Vec2& low, const Vec2& high,
+            std::vector<std::uint32_t>& result) const {
     index_->find(patch, low, high, result);
   }
 
@@ -79,6 +92,7 @@ class RadianceCache {
 
   std::shared_ptr<const SceneCharts> charts_;
   std::vector<RadianceRecord> records_;
+  std::shared_ptr<const BrdfHarmonicsSet> brdfs_;
   std::vector<PackedRecord> packed_;
   std::vector<Footprint> footprints_;
   std::vector<std::uint32_t> slots_;

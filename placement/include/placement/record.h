@@ -2,16 +2,42 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "core/jet2.h"
 #include "placement/gather.h"
+#include "placement/incident_harmonics.h"
 #include "placement/site_curvature.h"
 #include "placement/surface_reach.h"
 #include "placement/valid_region.h"
 
 namespace vrc {
+
+/// Why a record holds spherical harmonics.
+enum class HarmonicsReason : std::uint8_t {
+  kNone,         ///< It does not.
+  kAlways,       ///< All records do (Representation::kHarmonics).
+  kTurns,        ///< The normal turns by more than theta_max within its ellipse.
+  kSmallConvex,  ///< The surface is convex and small against the distance of what it sees.
+};
+inline constexpr std::size_t kHarmonicsReasons = 4;
+
+/// "none", "always", "turns", "small-convex".
+[[nodiscard]] std::string_view name_of(HarmonicsReason reason);
+
+/// Incident radiance at a record, and the outgoing radiance that the record's BRDF makes of it.
+struct RecordHarmonics {
+  IncidentHarmonics incident;
+  std::array<Jet2, 3> radiance;  ///< Towards the camera, while normal and direction stay.
+  Jet2 luminance;                ///< Of `radiance`.
+  /// L1 norm and sum of |H| over the coefficients of luminance, incident or outgoing as the strategy
+  /// says [Zhao eq. 6]; not with a view-dependent strategy.
+  Jet2 all_directions;
+};
 
 /// A cached estimate of outgoing radiance: where it is, what it knows, how far it may be used.
 struct RadianceRecord {
@@ -20,7 +46,14 @@ struct RadianceRecord {
   std::array<Jet2, 3> radiance;  ///< What is interpolated: limited and fitted. In the site's frame.
   ValidRegion region;
   SiteCurvature curvature;
+  /// Null until they are asked for; used when `harmonics_reason` says so.
+  std::shared_ptr<const RecordHarmonics> harmonics;
+  HarmonicsReason harmonics_reason = HarmonicsReason::kNone;
   double clamp_factor = 1.0;  ///< < 1: how much the crease limit reduced the derivatives.
+  /// Of spherical harmonics, whose derivatives are limited where they are used.
+  double gradient_factor = 1.0, hessian_factor = 1.0;
+
+  [[nodiscard]] bool uses_harmonics() const { return harmonics_reason != HarmonicsReason::kNone; }
 };
 
 /// What each record reaches over its surface with its region widened `support` times.

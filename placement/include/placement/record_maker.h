@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <optional>
+#include <functional>
 
 #include "placement/cache_options.h"
 #include "placement/record.h"
@@ -27,7 +27,8 @@ void shape_record(RadianceRecord& record, const RegionRule& rule);
 
 /// Sets the radiance that a record with a known region passes on. Where the region reaches beyond the
 /// nearest hit, gradient and Hessian are scaled by the ratio and its square; then until neither changes
-/// the radiance by more than `perceived` over the region. `clamp_factor` says by how much.
+/// the radiance by more than `perceived` over the region. `clamp_factor` says by how much. Spherical
+/// harmonics are limited likewise, by the Euclidean norm of their luminance.
 void set_radiance(RadianceRecord& record, const std::array<Jet2, 3>& jets, double mean_luminance);
 
 /// How noisy a record may be before it is gathered again with more rays.
@@ -36,12 +37,14 @@ struct NoiseGoal {
   double mean_luminance = 1.0;
 };
 
+/// What makes an estimate at a site with 2^log2_rays rays.
+using Gather = std::function<RadianceEstimate(const RecordSite& site, int log2_rays)>;
+
 /// Gathers at the site. A site closer than half a pixel to the nearest hit (in a crease) is moved
 /// half a pixel away from it first, along its surface, and gathered again; so is a record that
 /// misses the noise goal, with the rays that its variance asks for.
-[[nodiscard]] RadianceRecord make_record(const Scene& scene, const RecordSite& site,
-                                         const GatherOptions& gather, const NoiseGoal& goal,
-                                         RayCounts& counts);
+[[nodiscard]] RadianceRecord make_record(const Scene& scene, const RecordSite& site, const Gather& gather,
+                                         int log2_rays, const NoiseGoal& goal);
 
 inline constexpr double kVarianceConvergence = 1.1;  ///< Variance falls as rays^-1.1 with Sobol points.
 inline constexpr int kFewestLog2Rays = 10;

@@ -56,6 +56,7 @@ class TileRecords {
  public:
   TileRecords(const RadianceCache& cache, const Tile& tile);
 
+  [[nodiscard]] const RadianceCache& cache() const { return cache_; }
   [[nodiscard]] const Tile& tile() const { return tile_; }
 
   /// Calls body(record, coverage) for the records that reach a point of packet `packet` of the tile

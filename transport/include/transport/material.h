@@ -41,6 +41,9 @@ struct Material {
   bool two_sided = false;  ///< false: the back of the surface is black, as in Mitsuba.
 };
 
+/// Whether two lobes differ by their reflectances at most.
+[[nodiscard]] bool same_shape(const Lobe& a, const Lobe& b);
+
 /// Multiplies every lobe's reflectance by `weight`.
 void scale(Material& material, float weight);
 

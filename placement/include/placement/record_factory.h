@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+
+#include "placement/cache_options.h"
+#include "placement/record_maker.h"
+#include "placement/scene_charts.h"
+#include "transport/brdf_harmonics.h"
+
+namespace vrc {
+
+/// Makes records and decides what they hold: radiance towards the camera or incident radiance in
+/// spherical harmonics. Const and thread-safe.
+class RecordFactory {
+ public:
+  /// Scene, charts and options must outlive it.
+  RecordFactory(const SceneCharts& charts, const CacheOptions& options);
+
+  /// What must be known to shade with the records' harmonics; null when no record can have any.
+  [[nodiscard]] const std::shared_ptr<const BrdfHarmonicsSet>& brdfs() const { return brdfs_; }
+
+  /// Gathers what the strategy and the representation ask for everywhere.
+  [[nodiscard]] RadianceRecord make(const RecordSite& site, const GatherOptions& gather,
+                                    const NoiseGoal& goal, RayCounts& counts) const;
+
+  /// Gives the record its region, decides by the rule of a hybrid cache whether it is to hold spherical
+  /// harmonics and gathers them when it does so for the first time.
+  void shape(RadianceRecord& record, const RegionRule& rule, const GatherOptions& gather,
+             RayCounts& counts) const;
+
+ private:
+  [[nodiscard]] std::shared_ptr<const RecordHarmonics> gather_harmonics(const RecordSite& site,
+                                                                        const GatherOptions& gather,
+                                                                        RayCounts& counts,
+                                                                        HitDistances& hits) const;
+  [[nodiscard]] HarmonicsReason reason_for(const RadianceRecord& record) const;
+
+  const SceneCharts& charts_;
+  const CacheOptions& options_;
+  std::unique_ptr<const HarmonicsGatherer> gatherer_;
+  std::shared_ptr<const BrdfHarmonicsSet> brdfs_;
+};
+
+/// Order that resolves the sharpest lobe for which spherical harmonics pay, in [10, 24]: 2.5 sqrt(N) for
+/// a Phong exponent N up to kSharpestForHarmonics.
+[[nodiscard]] int harmonics_order_for(const std::vector<Bsdf>& bsdfs);
+
+/// Beyond this Phong exponent Taylor records were always better.
+inline constexpr double kSharpestForHarmonics = 100.0;
+
+}  // namespace vrc

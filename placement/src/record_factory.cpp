@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "placement/record_factory.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace vrc {
+namespace {
+
+constexpr int kLeastOrder = 10, kMostOrder = 24;
+constexpr double kSmallAgainstSurroundings = 5.0;  // curvature times mean distance
+constexpr double kMostSaddle = 0.1;  // negative curvature over the positive one, of a convex surface
+
+/// |H| of a symmetric matrix: that with the absolute eigenvalues.
+Mat2 absolute(const Mat2& h) {
+  Eigen::SelfAdjointEigenSolver<Mat2> solver;
+  solver.computeDirect(h);
+  return solver.eigenvectors() * solver.eigenvalues().cwiseAbs().asDiagonal() *
+         solver.eigenvectors().transpose();
+}
+
+/// L1 norm of coefficients and the sum of their |H| [Zhao eq. 6]. Rows are coefficients, columns the
+/// entries of a jet.
+Jet2 sum_over_coefficients(const Eigen::MatrixXd& jets) {
+  Jet2 sum;
+  for (Eigen::Index j = 0; j < jets.rows(); ++j) {
+    Mat2 h;
+    h << jets(j, 3), jets(j, 4), jets(j, 4), jets(j, 5);
+    sum.value += std::abs(jets(j, 0));
+    sum.hessian += absolute(h);
+  }
+  return sum;
+}
+
+/// Entries of channel c: coefficients x entries.
+Eigen::MatrixXf channel(const IncidentHarmonics& incident, int c) {
+  constexpr int kEntries = IncidentHarmonics::kEntries;
+  return incident.coefficients.middleRows(kEntries * c, kEntries).transpose();
+}
+
+constexpr double kLuminance[3] = {0.212671, 0.715160, 0.072169};
+
+/// Luminance of incident radiance in all directions.
+Jet2 all_incident(const IncidentHarmonics& incident) {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(incident.count(), IncidentHarmonics::kEntries);
+  for (int c = 0; c < 3; ++c) sum += kLuminance[c] * channel(incident, c).cast<double>();
+  return sum_over_coefficients(sum);
+}
+
+/// Luminance of outgoing radiance in all directions, the normal staying as it is.
+Jet2 all_outgoing(const IncidentHarmonics& incident, const BrdfHarmonics& brdf, const Frame& frame,
+                  const sh::FrameRotator& rotator) {
+  const Frame to_surface = sh::transposed(frame);
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(incident.count(), IncidentHarmonics::kEntries);
+  Eigen::MatrixXf local(incident.count(), IncidentHarmonics::kEntries);
+  for (int c = 0; c < 3; ++c) {
+    rotator.rotate(to_surface, channel(incident, c), local);
+    sum += kLuminance[c] * (brdf.matrix(c) * local).cast<double>();
+  }
+  return sum_over_coefficients(sum);
+}
+
+}  // namespace
+
+int harmonics_order_for(const std::vector<Bsdf>& bsdfs) {
+  double sharpest = 0.0;
+  for (const Bsdf& bsdf : bsdfs) {
+    const auto exponent = static_cast<double>(bsdf.sharpness());
+    if (exponent <= kSharpestForHarmonics) sharpest = std::max(sharpest, exponent);
+  }
+  return std::clamp(static_cast<int>(std::ceil(2.5 * std::sqrt(sharpest))), kLeastOrder, kMostOrder);
+}
+
+RecordFactory::RecordFactory(const SceneCharts& charts, const CacheOptions& options)
+    : charts_(charts), options_(options) {
+  if (options.representation == Representation::kAnalytic && options.strategy == Strategy::kViewDependent)
+    return;
+  const std::vector<Bsdf>& bsdfs = charts.scene().bsdfs();
+  const int order = options.harmonics_order > 0 ? options.harmonics_order : harmonics_order_for(bsdfs);
+  gatherer_ = std::make_unique<const HarmonicsGatherer>(order);
+  brdfs_ = std::make_shared<const BrdfHarmonicsSet>(bsdfs, order);
+}
+
+RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& gather, const NoiseGoal& goal,
+                                   RayCounts& counts) const {
+  const Scene& scene = charts_.scene();
+  std::shared_ptr<const RecordHarmonics> harmonics;
+  const auto options_for = [&](int log2_rays) {
+    GatherOptions options = gather;
+    options.log2_rays = log2_rays;
+    return options;
+  };
+  const Gather gather_radiance_at = [&](const RecordSite& s, int log2_rays) {
+    return gather_radiance(scene, s, options_for(log2_rays), counts);
+  };
+  const Gather gather_harmonics_at = [&](const RecordSite& s, int log2_rays) {
+    RadianceEstimate estimate;
+    harmonics = gather_harmonics(s, options_for(log2_rays), counts, estimate.hits);
+    estimate.radiance = harmonics->radiance;
+    estimate.luminance = harmonics->luminance;
+    return estimate;
+  };
+  const bool only_harmonics = options_.representation == Representation::kHarmonics;
+  RadianceRecord record = make_record(scene, site, only_harmonics ? gather_harmonics_at : gather_radiance_at,
+                                      gather.log2_rays, goal);
+  if (only_harmonics) {
+    record.harmonics_reason = HarmonicsReason::kAlways;
+  } else if (options_.strategy != Strategy::kViewDependent) {
+    HitDistances hits;
+    harmonics = gather_harmonics(record.site, gather, counts, hits);
+    if (options_.representation == Representation::kAnalytic) {
+      auto radii_only = std::make_shared<RecordHarmonics>(*harmonics);
+      radii_only->incident.coefficients.resize(Eigen::NoChange, 0);
+      harmonics = std::move(radii_only);
+    }
+  }
+  record.harmonics = std::move(harmonics);
+  return record;
+}
+
+std::shared_ptr<const RecordHarmonics> RecordFactory::gather_harmonics(const RecordSite& site,
+                                                                       const GatherOptions& gather,
+                                                                       RayCounts& counts,
+                                                                       HitDistances& hits) const {
+  auto result = std::make_shared<RecordHarmonics>();
+  GatherOptions options = gather;
+  // Towards one camera the lobe matters most; for all directions eq. 7 has uniform rays.
+  options.directions =
+      options_.strategy == Strategy::kViewDependent ? GatherDirections::kMixture : GatherDirections::kUniform;
+  result->incident = gatherer_->gather(charts_.scene(), site, options, counts, hits);
+  const BrdfHarmonics& brdf = brdfs_->of(static_cast<std::size_t>(site.point.material));
+  Eigen::MatrixXf weights(result->incident.count(), 3);
+  brdf.response(site.point.normal, site.to_camera.normalized(), weights);
+  result->radiance = outgoing_radiance(result->incident, weights);
+  result->luminance = luminance(result->radiance);
+  if (options_.strategy == Strategy::kViewIndependent)
+    result->all_directions = all_incident(result->incident);
+  if (options_.strategy == Strategy::kViewIndependentOutgoing)
+    result->all_directions = all_outgoing(result->incident, brdf, site.frame, brdfs_->rotator());
+  return result;
+}
+
+HarmonicsReason RecordFactory::reason_for(const RadianceRecord& record) const {
+  if (options_.harmonics_rule == HarmonicsRule::kPaper) {
+    const SiteCurvature site = classify_site(charts_, record, options_.max_normal_deviation);
+    return site.needs_sh() ? HarmonicsReason::kTurns : HarmonicsReason::kNone;
+  }
+  const SurfacePoint& point = record.site.point;
+  const Vec2 principal = point.shape_operator.selfadjointView<Eigen::Lower>().eigenvalues();
+  const double curvature = principal.maxCoeff();
+  const bool convex = curvature > 0.0 && principal.minCoeff() > -kMostSaddle * curvature;
+  const bool small = curvature > kSmallAgainstSurroundings * record.estimate.hits.mean_inverse;
+  const Bsdf& bsdf = charts_.scene().bsdfs()[static_cast<std::size_t>(point.material)];
+  const bool dull = static_cast<double>(bsdf.sharpness()) <= kSharpestForHarmonics;
+  return convex && small && dull ? HarmonicsReason::kSmallConvex : HarmonicsReason::kNone;
+}
+
+void RecordFactory::shape(RadianceRecord& record, const RegionRule& rule, const GatherOptions& gather,
+                          RayCounts& counts) const {
+  if (options_.representation == Representation::kHybrid) record.harmonics_reason = HarmonicsReason::kNone;
+  shape_record(record, rule);
+  if (options_.representation != Representation::kHybrid) return;
+  record.harmonics_reason = reason_for(record);
+  if (!record.uses_harmonics()) return;
+  if (!record.harmonics) {
+    HitDistances hits;
+    record.harmonics = gather_harmonics(record.site, gather, counts, hits);
+  }
+  shape_record(record, rule);
+}
+
+}  // namespace vrc
