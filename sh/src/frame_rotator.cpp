@@ -38,8 +38,8 @@ struct Turn {
     }
   }
 
-  /// The entries of band l, whose m = 0 is at `in`, turned. Places without an entry are not written, but
-  /// for the sine of m = 0.
+  /// The entries of band l, whose m = 0 is at `in`, turned. Other places are left as they are, but the
+  /// sine of m = 0; the columns of X that read them are zero.
   void apply(int l, const float* in, Groups& g) const {
     for (int m = 0; m <= l; ++m) {
       const float c = cosine[m & 1][m >> 1], s = sine[m & 1][m >> 1];
@@ -121,9 +121,9 @@ void FrameRotator::rotate(const Frame& frame, const Eigen::Ref<const Eigen::Matr
             "{} x {} coefficients to {} x {}, order {}", local.rows(), local.cols(), world.rows(),
             world.cols(), order_);
   const Turns turns = turns_of(frame, order_);
-  Groups turned{};
   for (Eigen::Index channel = 0; channel < local.cols(); ++channel) {
     const F16* columns = columns_.data();
+    Groups turned{};
     for (int l = 0; l <= order_; ++l) {
       turns.first.apply(l, local.col(channel).data() + index(l, 0), turned);
       Groups g = apply_x(l, turned, columns);
