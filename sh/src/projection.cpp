@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sh/projection.h"
 
-#include <algorithm>
 #include <vector>
 
 #include "core/error.h"

@@ -33,7 +33,7 @@ class FrameRotator {
 
  private:
   int order_;
-  std::vector<F16> columns_;  ///< Of the blocks of X: bands, groups, entries.
+  std::vector<F16> columns_;  ///< Of the blocks of X: by bands, places, groups.
 };
 
 /// The frame whose axes are the rows of the matrix (tangent, bitangent, normal).
