@@ -48,14 +48,19 @@ void evaluate_jets(benchmark::State& state) {
 }
 BENCHMARK(evaluate_jets)->Arg(10)->Arg(24);
 
-/// 4096 samples of three channels an iteration.
+/// 4096 samples an iteration; the second argument is the number of channels.
 void project_4096_samples(benchmark::State& state) {
   const Basis basis(order_of(state));
   const std::vector<V3x16> packets = directions(256);
-  const std::vector<F16> weights(256, splat(1.0f)), values(3 * 256, splat(0.5f));
+  const std::vector<F16> weights(256, splat(1.0f)), values(256 * state.range(1), splat(0.5f));
   for (auto _ : state) benchmark::DoNotOptimize(project_samples(basis, {packets, weights, values}));
 }
-BENCHMARK(project_4096_samples)->Arg(10)->Arg(24)->Unit(benchmark::kMicrosecond);
+BENCHMARK(project_4096_samples)
+    ->Args({10, 3})
+    ->Args({10, 18})
+    ->Args({24, 3})
+    ->Args({24, 18})
+    ->Unit(benchmark::kMicrosecond);
 
 /// One vector an iteration.
 void rotate_by_frame(benchmark::State& state) {

@@ -24,7 +24,8 @@ double quotient(int l, int m, int raised_m) {
   return e * std::sqrt((2.0 * l + 1.0) / (2.0 * l + 3.0) * factorials);
 }
 
-/// A term of the row (l, m) that reads the cosine (sign 1) or sine (sign -1) of |m'|; S_l0 is zero.
+/// A term of the row (l, m) that reads the cosine (sign 1) or sine (sign -1) of m'; none if m' < 0, and
+/// S_l0 is zero.
 RaisedTerm term(int l, int m, int raised_m, int sign, double factor) {
   if (raised_m < 0 || (raised_m == 0 && sign < 0)) return {index(l + 1, 0), 0.0};
   return {index(l + 1, sign * raised_m), factor * quotient(l, m, raised_m)};

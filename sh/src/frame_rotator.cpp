@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "core/error.h"
 #include "sh/basis.h"
@@ -11,67 +12,60 @@
 namespace vrc::sh {
 namespace {
 
-// The entries of a band, by the reflections in x and y. X commutes with the one in x and takes the one
-// in y to that in z, so it maps each group to exactly one group.
-enum Group { kEvenCosine, kOddCosine, kEvenSine, kOddSine, kGroups };
-constexpr Group kTarget[2][kGroups] = {{kEvenCosine, kEvenSine, kOddCosine, kOddSine},   // l even
-                                       {kOddSine, kOddCosine, kEvenSine, kEvenCosine}};  // l odd
+// The entries of a band, by the reflections in x and y: cosines of even and odd m, then sines. X commutes
+// with the reflection in x and takes the one in y to that in z, so it maps each group to exactly one.
+constexpr int kGroups = 4;
+constexpr int kSine = 2;                                           // Added to the parity of m.
+constexpr int kTarget[2][kGroups] = {{0, 2, 1, 3}, {3, 1, 2, 0}};  // For even and odd l.
 
-constexpr bool is_odd(int group) { return group == kOddCosine || group == kOddSine; }
-constexpr bool is_sine(int group) { return group >= kEvenSine; }
-/// |m| of entry k of a group.
-constexpr int absolute_m(int group, int k) { return 2 * k + (is_odd(group) ? 1 : 0); }
-/// m of entry k; the sine of m = 0 has a place, whose row and column are zero.
-constexpr int signed_m(int group, int k) {
-  return is_sine(group) ? -absolute_m(group, k) : absolute_m(group, k);
-}
-/// Entries of a group in band l.
-constexpr int entry_count(int group, int l) { return is_odd(group) ? (l + 1) / 2 : l / 2 + 1; }
-
+/// Sixteen entries of each group, m / 2 = 0, 1, ...; the sine of m = 0 has a place as well.
 using Groups = std::array<F16, kGroups>;
+/// Places of each group that a band reads.
+constexpr int place_count(int l) { return l / 2 + 1; }
 
-/// Cosine and sine of m times an angle, for |m| = 0 .. kMaxFrameOrder.
+/// A turn about z: cosine and sine of m times its angle, by the parity of m and then m / 2.
 struct Turn {
-  alignas(64) std::array<float, 2 * kLanes> cosine, sine;
-  F16 even_cosine, even_sine, odd_cosine, odd_sine;
+  std::array<F16, 2> cosine{}, sine{};
 
-  Turn(double c, double s, int order)
-      : cosine{}, sine{}, even_cosine{}, even_sine{}, odd_cosine{}, odd_sine{} {
+  Turn(double c, double s, int order) {
     double cm = 1.0, sm = 0.0;
     for (int m = 0; m <= order; ++m) {
-      cosine[m] = static_cast<float>(cm);
-      sine[m] = static_cast<float>(sm);
+      cosine[m & 1][m >> 1] = static_cast<float>(cm);
+      sine[m & 1][m >> 1] = static_cast<float>(sm);
       const double turned = c * cm - s * sm;
       sm = c * sm + s * cm;
       cm = turned;
     }
-    for (int k = 0; k < kLanes; ++k) {
-      even_cosine[k] = cosine[2 * k];
-      even_sine[k] = sine[2 * k];
-      odd_cosine[k] = cosine[2 * k + 1];
-      odd_sine[k] = sine[2 * k + 1];
+  }
+
+  /// The entries of band l, whose m = 0 is at `in`, turned. Other places are left as they are, but the
+  /// sine of m = 0; the columns of X that read them are zero.
+  void apply(int l, const float* in, Groups& g) const {
+    for (int m = 0; m <= l; ++m) {
+      const float c = cosine[m & 1][m >> 1], s = sine[m & 1][m >> 1];
+      g[m & 1][m >> 1] = in[m] * c - in[-m] * s;
+      g[kSine + (m & 1)][m >> 1] = in[m] * s + in[-m] * c;
     }
   }
 
   void apply(Groups& g) const {
-    const F16 even = g[kEvenCosine], odd = g[kOddCosine];
-    g[kEvenCosine] = even * even_cosine - g[kEvenSine] * even_sine;
-    g[kEvenSine] = even * even_sine + g[kEvenSine] * even_cosine;
-    g[kOddCosine] = odd * odd_cosine - g[kOddSine] * odd_sine;
-    g[kOddSine] = odd * odd_sine + g[kOddSine] * odd_cosine;
+    for (int parity = 0; parity < 2; ++parity) {
+      const F16 c = g[parity], s = g[kSine + parity];
+      g[parity] = c * cosine[parity] - s * sine[parity];
+      g[kSine + parity] = c * sine[parity] + s * cosine[parity];
+    }
   }
 };
 
-/// X times the groups of band l, whose entries `in` yields; advances `column` to the next band.
-template <typename Entry>
-Groups apply_x(int l, const Entry& in, const F16*& column) {
-  Groups out;
-  for (int group = 0; group < kGroups; ++group) {
-    F16 sum{};
-    const int count = entry_count(group, l);
-    for (int k = 0; k < count; ++k) sum += in(group, k) * *column++;
-    out[kTarget[l & 1][group]] = sum;
+/// X times the groups of band l by the band's columns.
+Groups apply_x(int l, const Groups& in, const F16* column) {
+  Groups sum{};
+  for (int k = 0; k < place_count(l); ++k) {
+    for (int group = 0; group < kGroups; ++group) sum[group] += in[group][k] * *column++;
   }
+  const auto& target = kTarget[l & 1];
+  Groups out;
+  for (int group = 0; group < kGroups; ++group) out[target[group]] = sum[group];
   return out;
 }
 
@@ -89,6 +83,23 @@ Turns turns_of(const Frame& f, int order) {
   return {{cc, sc, order}, {-f.normal.z(), -sine, order}, {-ca, -sa, order}};
 }
 
+/// m of place k of a group, or nothing where band l has no such entry.
+std::optional<int> entry_m(int l, int group, int k) {
+  const int m = 2 * k + (group & 1);
+  if (m > l || (group == kSine && k == 0)) return std::nullopt;
+  return group >= kSine ? -m : m;
+}
+
+/// Column of the block of X that reads place k of a group; zero where there is no entry.
+F16 column_of(const Eigen::MatrixXd& band, int l, int group, int k) {
+  F16 column{};
+  for (int i = 0; i < place_count(l); ++i) {
+    const auto from = entry_m(l, group, k), to = entry_m(l, kTarget[l & 1][group], i);
+    if (from && to) column[i] = static_cast<float>(band(l + *to, l + *from));
+  }
+  return column;
+}
+
 }  // namespace
 
 FrameRotator::FrameRotator(int order) : order_(order) {
@@ -96,17 +107,9 @@ FrameRotator::FrameRotator(int order) : order_(order) {
   const Mat3 x = (Mat3() << 1, 0, 0, 0, 0, -1, 0, 1, 0).finished();
   const Rotation rotation(order, x);
   for (int l = 0; l <= order; ++l) {
-    for (int group = 0; group < kGroups; ++group) {
-      const int target = kTarget[l & 1][group];
-      for (int k = 0; k < entry_count(group, l); ++k) {
-        F16 column{};
-        for (int i = 0; i < entry_count(target, l); ++i) {
-          const bool placeholder = (group == kEvenSine && k == 0) || (target == kEvenSine && i == 0);
-          if (!placeholder)
-            column[i] = static_cast<float>(rotation.band(l)(l + signed_m(target, i), l + signed_m(group, k)));
-        }
-        columns_.push_back(column);
-      }
+    for (int k = 0; k < place_count(l); ++k) {
+      for (int group = 0; group < kGroups; ++group)
+        columns_.push_back(column_of(rotation.band(l), l, group, k));
     }
   }
 }
@@ -119,28 +122,19 @@ void FrameRotator::rotate(const Frame& frame, const Eigen::Ref<const Eigen::Matr
             world.cols(), order_);
   const Turns turns = turns_of(frame, order_);
   for (Eigen::Index channel = 0; channel < local.cols(); ++channel) {
-    const float* in = local.col(channel).data();
-    float* out = world.col(channel).data();
-    const F16* column = columns_.data();
+    const F16* columns = columns_.data();
+    Groups turned{};
     for (int l = 0; l <= order_; ++l) {
-      in += l == 0 ? 0 : 2 * l;  // To m = 0 of the band.
-      out += l == 0 ? 0 : 2 * l;
-      const F16* columns = column;
-      Groups g = apply_x(
-          l,
-          [&](int group, int k) {
-            const int m = absolute_m(group, k);
-            const float c = turns.first.cosine[m], s = turns.first.sine[m];
-            return is_sine(group) ? in[m] * s + in[-m] * c : in[m] * c - in[-m] * s;
-          },
-          column);
+      turns.first.apply(l, local.col(channel).data() + index(l, 0), turned);
+      Groups g = apply_x(l, turned, columns);
       turns.second.apply(g);
-      g = apply_x(
-          l, [&](int group, int k) { return g[group][k]; }, columns);
+      g = apply_x(l, g, columns);
       turns.third.apply(g);
-      for (int group = kGroups - 1; group >= 0; --group) {  // Last the cosine of m = 0.
-        const int count = entry_count(group, l);
-        for (int k = 0; k < count; ++k) out[signed_m(group, k)] = g[group][k];
+      columns += kGroups * place_count(l);
+      float* out = world.col(channel).data() + index(l, 0);
+      for (int m = l; m >= 0; --m) {
+        out[-m] = g[kSine + (m & 1)][m >> 1];
+        out[m] = g[m & 1][m >> 1];  // Second: for m = 0 both are one place.
       }
     }
   }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sh/projection.h"
 
-#include <algorithm>
 #include <vector>
 
 #include "core/error.h"
@@ -9,15 +8,20 @@
 namespace vrc::sh {
 namespace {
 
-// Few enough that the table of basis values of order 24 stays in the second-level cache; one vector
-// more in a row keeps the rows from falling into the same cache sets.
 constexpr int kBatch = 4;
-constexpr int kStride = kBatch + 1;
 
-using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-using Table = Eigen::Map<const RowMajor, Eigen::Aligned64, Eigen::OuterStride<kStride * kLanes>>;
-
-const float* floats(const std::vector<F16>& v) { return reinterpret_cast<const float*>(v.data()); }
+/// sums (n x channels) += y (n x kBatch) * weighted (kBatch x channels), lane by lane. A general
+/// matrix product, which packs y first, takes 1.6 times as long for three channels.
+void add_product(std::span<const F16> y, std::span<const F16> weighted, std::span<F16> sums) {
+  const std::size_t channels = weighted.size() / kBatch;
+  F16* sum = sums.data();
+  for (const F16* row = y.data(); row != y.data() + y.size(); row += kBatch) {
+    for (std::size_t c = 0; c < channels; ++c) {
+      const F16* w = &weighted[c * kBatch];
+      *sum++ += (row[0] * w[0] + row[1] * w[1]) + (row[2] * w[2] + row[3] * w[3]);
+    }
+  }
+}
 
 }  // namespace
 
@@ -42,24 +46,24 @@ Eigen::MatrixXd project_samples(const Basis& basis, const SamplePackets& samples
   const std::size_t channels = packets == 0 ? 0 : samples.values.size() / packets;
   VRC_CHECK(channels * packets == samples.values.size(), "{} values for {} packets", samples.values.size(),
             packets);
-  std::vector<F16> y(static_cast<std::size_t>(basis.size()) * kStride), weighted(channels * kBatch);
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(basis.size(), static_cast<Eigen::Index>(channels));
-  Eigen::MatrixXf part(sum.rows(), sum.cols());
+  // Packets missing in the last batch have weight 0.
+  std::vector<F16> y(static_cast<std::size_t>(basis.size()) * kBatch), weighted(channels * kBatch);
+  std::vector<F16> sums(static_cast<std::size_t>(basis.size()) * channels);
   for (std::size_t begin = 0; begin < packets; begin += kBatch) {
-    const std::size_t count = std::min<std::size_t>(kBatch, packets - begin);
-    for (std::size_t p = 0; p < count; ++p) {
-      basis.evaluate(samples.directions[begin + p], std::span(y).subspan(p), kStride);
+    for (std::size_t p = 0; p < kBatch; ++p) {
+      const std::size_t packet = begin + p;
+      if (packet < packets) basis.evaluate(samples.directions[packet], std::span(y).subspan(p), kBatch);
       for (std::size_t c = 0; c < channels; ++c)
-        weighted[c * kBatch + p] = samples.weights[begin + p] * samples.values[c * packets + begin + p];
+        weighted[c * kBatch + p] =
+            packet < packets ? samples.weights[packet] * samples.values[c * packets + packet] : F16{};
     }
-    const auto lanes = static_cast<Eigen::Index>(count) * kLanes;
-    const Table table(floats(y), sum.rows(), lanes);
-    const Eigen::Map<const Eigen::MatrixXf, Eigen::Aligned64, Eigen::OuterStride<kBatch * kLanes>> values(
-        floats(weighted), lanes, sum.cols());
-    part.noalias() = table * values;
-    sum += part.cast<double>();
+    add_product(y, weighted, sums);
   }
-  return sum;
+  Eigen::MatrixXd result(basis.size(), static_cast<Eigen::Index>(channels));
+  for (Eigen::Index j = 0; j < result.rows(); ++j) {
+    for (Eigen::Index c = 0; c < result.cols(); ++c) result(j, c) = lane_sum(sums[j * result.cols() + c]);
+  }
+  return result;
 }
 
 }  // namespace vrc::sh

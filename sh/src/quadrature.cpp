@@ -28,7 +28,7 @@ void legendre(double t, std::span<double> out) {
   out[0] = 1.0;
   if (out.size() > 1) out[1] = t;
   for (std::size_t l = 2; l < out.size(); ++l) {
-    const double n = static_cast<double>(l);
+    const auto n = static_cast<double>(l);
     out[l] = ((2.0 * n - 1.0) * t * out[l - 1] - (n - 1.0) * out[l - 2]) / n;
   }
 }

@@ -73,7 +73,7 @@ Rotation::Rotation(int order, const Mat3& rotation) {
   VRC_CHECK(order >= 0 && order <= kMaxOrder, "order {} is not in [0, {}]", order, kMaxOrder);
   VRC_CHECK((rotation.transpose() * rotation).isIdentity(1e-6) && rotation.determinant() > 0.0,
             "the matrix is not a rotation");
-  bands_.push_back(Eigen::MatrixXd::Ones(1, 1));
+  bands_.emplace_back(Eigen::MatrixXd::Ones(1, 1));
   if (order == 0) return;
   constexpr int kAxes[3] = {1, 2, 0};  // Y_1,-1, Y_10, Y_11 are y, z, x.
   Eigen::MatrixXd first(3, 3);

@@ -31,7 +31,7 @@ inline constexpr int kMaxOrder = 128;
 /// exact at the poles. Const and thread-safe.
 ///
 /// Directions must be unit vectors in the frame of the coefficients (not checked); `out` must hold
-/// size() values, else a logic_error. Absolute errors up to order 30: 1e-13 in double, 3e-5 in single
+/// size() values, else a logic_error. Absolute errors up to order 30: 2e-13 in double, 5e-5 in single
 /// precision, where most comes from rounding the direction.
 class Basis {
  public:

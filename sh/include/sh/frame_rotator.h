@@ -9,7 +9,7 @@
 
 namespace vrc::sh {
 
-/// Highest order of a FrameRotator: the eight kinds of entries of a band fit into vectors of 16.
+/// Highest order of a FrameRotator: the entries of a band of one parity of m fit into a vector of 16.
 inline constexpr int kMaxFrameOrder = 31;
 
 /// Turns single coefficient vectors from a frame to the world without the matrices of `Rotation`:
@@ -23,17 +23,17 @@ class FrameRotator {
 
   [[nodiscard]] int order() const { return order_; }
 
-  /// From the coefficients of f(t . w, b . w, n . w), w in the frame's coordinates, those of the same
-  /// function of world directions, for each column. The frame must be right-handed and orthonormal (not
-  /// checked). The transposed frame turns the world to the frame. Errors are below 2e-6 of the norm of
-  /// the column. Both have coefficient_count(order()) rows and the same columns, and are not the same
-  /// memory; else a logic_error.
+  /// `local` holds coefficients of functions f of directions in the frame's coordinates, a column each;
+  /// `world` receives those of w -> f(t . w, b . w, n . w) over world directions. The opposite way goes
+  /// by `transposed(frame)`. The frame must be right-handed and orthonormal (not checked). Errors are
+  /// below 2e-6 of a column's norm. Both have coefficient_count(order()) rows and equally many columns,
+  /// else a logic_error, and must not overlap.
   void rotate(const Frame& frame, const Eigen::Ref<const Eigen::MatrixXf>& local,
               Eigen::Ref<Eigen::MatrixXf> world) const;
 
  private:
   int order_;
-  std::vector<F16> columns_;  ///< Of the blocks of X: bands, groups, entries.
+  std::vector<F16> columns_;  ///< Of the blocks of X: by bands, places, groups.
 };
 
 /// The frame whose axes are the rows of the matrix (tangent, bitangent, normal).

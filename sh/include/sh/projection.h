@@ -28,8 +28,9 @@ struct SamplePackets {
 };
 
 /// Sum over the samples of weight * value * Y_lm: row index(l, m), one column a channel. The estimator
-/// of `project`; calls for parts of the samples add up. Matrix products of 64 samples in single
-/// precision, added up in double. A logic_error if the sizes of the spans do not fit.
+/// of `project`; calls for parts of the samples add up. Lanes are summed apart in single precision by
+/// matrix products of four packets, so split more than 2^18 samples. A logic_error if the sizes of the
+/// spans do not fit.
 [[nodiscard]] Eigen::MatrixXd project_samples(const Basis& basis, const SamplePackets& samples);
 
 }  // namespace vrc::sh
