@@ -40,7 +40,7 @@ RecordMapEntry entry_of(const SceneCharts& charts, const RadianceRecord& record)
   entry.clamp_factor = static_cast<float>(record.clamp_factor);
   set_gathered(entry, record.estimate);
   entry.curvature = record.curvature;
-  entry.is_sh = record.uses_harmonics() ? 1 : 0;
+  entry.harmonics_reason = record.harmonics_reason;
   const SurfacePoint& point = record.site.point;
   entry.region = static_cast<std::uint32_t>(point.region);
   entry.face = point.triangle;

@@ -24,13 +24,13 @@ Examples:
   vrc records scenes/half_box.xml --records 5000 --overlay half_box.png
 Maps hold for every record where it is (also face, chart and u, v), its region (r1 r2, e1 e2), radiance,
 gradient and Hessian, and how its surface bends (deviation, curvature, reason; needs_sh is 1 where the
-paper would use spherical harmonics). .ply opens in MeshLab, Blender and CloudCompare, .vtp in ParaView.
+paper would use spherical harmonics, is_sh where the record does, sh_reason why). .ply opens in MeshLab, Blender and CloudCompare, .vtp in ParaView.
 The overlay draws the ellipses at half their size, as they overlap: blue for Taylor records, orange for
-those with needs_sh. The same command gives the same files at any number of threads.)";
+those of spherical harmonics. The same command gives the same files at any number of threads.)";
 
 constexpr const char* kOverlayHelp =
     "Write the picture (.png) with the records' centres and ellipses at half size drawn over it: blue for "
-    "Taylor records, orange where the paper would use spherical harmonics";
+    "Taylor records, orange for those of spherical harmonics";
 
 using OptionalPath = std::optional<fs::path>;
 
@@ -126,7 +126,8 @@ void declare_picture(CLI::App& command, RenderArguments& arguments) {
                    "Another seed gives other noise"));
 }
 
-void declare_cache(CLI::App& command, CacheOptions& cache) {
+void declare_cache(CLI::App& command, RenderArguments& arguments) {
+  CacheOptions& cache = arguments.render.cache;
   const auto group = [](CLI::Option* option) {
     option->group("Radiance cache");
     return option;
@@ -146,29 +147,42 @@ void declare_cache(CLI::App& command, CacheOptions& cache) {
   group(add_choice(command, "--sampler", cache.sampler,
                    {{"image", Sampler::kImage}, {"surface", Sampler::kSurface}},
                    "Place records by the picture's pixels, or around each other over the surfaces"));
-  group(add_choice(command, "--strategy", cache.strategy,
-                   {{"view-dependent", Strategy::kViewDependent},
-                    {"view-independent", Strategy::kViewIndependent},
-                    {"view-independent-outgoing", Strategy::kViewIndependentOutgoing}},
-                   "Record radii by the radiance towards the camera, or by the incident or outgoing radiance "
-                   "of all directions"));
-  group(add_choice(command, "--representation", cache.representation,
-                   {{"analytic", Representation::kAnalytic},
-                    {"sh", Representation::kHarmonics},
-                    {"hybrid", Representation::kHybrid}},
-                   "What records hold: radiance with derivatives, incident radiance in spherical harmonics, "
-                   "or these where --sh-rule says so"));
+  CLI::Option* strategy = group(
+      add_choice(command, "--strategy", cache.strategy,
+                 {{"view-dependent", Strategy::kViewDependent},
+                  {"view-independent", Strategy::kViewIndependent},
+                  {"view-independent-outgoing", Strategy::kViewIndependentOutgoing}},
+                 "Record radii by the radiance towards the camera, or by the incident or outgoing radiance "
+                 "of all directions"));
+  CLI::Option* representation = group(
+      add_choice(command, "--representation", cache.representation,
+                 {{"analytic", Representation::kAnalytic},
+                  {"sh", Representation::kHarmonics},
+                  {"hybrid", Representation::kHybrid}},
+                 "What records hold: radiance with derivatives, incident radiance in spherical harmonics, "
+                 "or these where --sh-rule says so"));
   group(add_choice(command, "--sh-rule", cache.harmonics_rule,
                    {{"auto", HarmonicsRule::kAuto}, {"paper", HarmonicsRule::kPaper}},
                    "Spherical harmonics of a hybrid cache: on small convex objects, or wherever the normal "
                    "turns by more than --max-normal-deviation in a record"));
   group(add_number(command, "--sh-order", cache.harmonics_order, NumberRange<int>{1, sh::kMaxFrameOrder},
                    "Order of spherical harmonics", "by sharpness, 10 to 24"));
-  group(add_choice(command, "--placement", cache.metric,
-                   {{"hessian", PlacementMetric::kHessian}, {"uniform", PlacementMetric::kUniform}},
-                   "Record radii by the radiance Hessian, or one radius everywhere"));
+  CLI::Option* placement = group(add_choice(
+      command, "--placement", cache.metric,
+      {{"hessian", PlacementMetric::kHessian},
+       {"uniform", PlacementMetric::kUniform},
+       {"split-sphere", PlacementMetric::kSplitSphere}},
+      "Record radii by the radiance Hessian, one radius everywhere, or a share of the mean distance"));
   group(add_number(command, "--max-normal-deviation", cache.max_normal_deviation,
                    NumberRange<double>{1e-3, 1.5}, "Largest angle of normals across a record, in radians"));
+  CLI::Option* baseline = group(add_choice(command, "--baseline", arguments.baseline,
+                                           {{"none", Baseline::kNone},
+                                            {"krivanek", Baseline::kKrivanek},
+                                            {"ward", Baseline::kWard},
+                                            {"schwarzhaupt", Baseline::kSchwarzhaupt}},
+                                           "Work like an earlier method: radiance caching in spherical "
+                                           "harmonics, or irradiance caching (diffuse scenes only)"));
+  for (CLI::Option* other : {strategy, representation, placement}) baseline->excludes(other);
 }
 
 void declare_scene(CLI::App& command, RenderArguments& arguments) {
@@ -228,7 +242,7 @@ void declare_render_options(CLI::App& command, RenderArguments& arguments) {
   declare_outputs(command, arguments);
   declare_method(command, arguments.render);
   declare_picture(command, arguments);
-  declare_cache(command, arguments.render.cache);
+  declare_cache(command, arguments);
   declare_run(command, arguments);
   command.footer(kFooter);
 }
@@ -237,13 +251,14 @@ void declare_records_options(CLI::App& command, RenderArguments& arguments) {
   declare_scene(command, arguments);
   declare_record_outputs(command, arguments);
   declare_picture(command, arguments);
-  declare_cache(command, arguments.render.cache);
+  declare_cache(command, arguments);
   declare_run(command, arguments);
   command.footer(kRecordsFooter);
 }
 
 RenderOptions render_options_for(const RenderArguments& arguments, const SceneDescription& scene) {
   RenderOptions options = arguments.render;
+  options.cache = baseline_options(arguments.baseline, options.cache);
   options.samples_per_pixel = arguments.samples_per_pixel.value_or(scene.samples_per_pixel);
   const int scene_bounces = scene.max_depth < 0 ? -1 : std::max(0, scene.max_depth - 2);
   options.bounces = arguments.bounces.value_or(scene_bounces);

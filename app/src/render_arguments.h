@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "io/scene_reader.h"
+#include "placement/baselines.h"
 #include "shading/render.h"
 
 namespace CLI {
@@ -21,6 +22,7 @@ struct RenderArguments {
   double crease_angle = CreaseOptions{}.crease_angle;  ///< [degrees]
   CurvatureMethod curvature = CurvatureMethod::kFaceTensors;
   RenderOptions render;                  ///< Without what the scene decides; see `render_options_for`.
+  Baseline baseline = Baseline::kNone;
   std::optional<int> samples_per_pixel;  ///< Default: the scene's.
   std::optional<int> bounces;            ///< Default: from the scene's max_depth.
   int threads = 0;                       ///< 0: every processor.

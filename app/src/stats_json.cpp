@@ -45,6 +45,7 @@ RecordClasses count_classes(std::span<const RadianceRecord> records) {
   RecordClasses classes;
   for (const RadianceRecord& record : records) {
     ++classes.reasons[static_cast<std::size_t>(record.curvature.reason)];
+    ++classes.harmonics[static_cast<std::size_t>(record.harmonics_reason)];
     if (record.curvature.needs_sh()) ++classes.needs_sh;
   }
   return classes;
@@ -60,6 +61,10 @@ std::string stats_json(const RunReport& report) {
   Json reasons = Json::object();
   for (std::size_t i = 0; i < kCurvatureReasons; ++i) {
     reasons[std::string(name_of(static_cast<CurvatureReason>(i)))] = report.classes.reasons[i];
+  }
+  Json harmonics = Json::object();
+  for (std::size_t i = 1; i < kHarmonicsReasons; ++i) {
+    harmonics[std::string(name_of(static_cast<HarmonicsReason>(i)))] = report.classes.harmonics[i];
   }
   Json json{
       {"version", kVersion},
@@ -78,6 +83,8 @@ std::string stats_json(const RunReport& report) {
       {"cpu_seconds", report.cpu_seconds},
       {"phases", std::move(phases)},
       {"records", stats.records},
+      {"records_of_sh", stats.records - report.classes.taylor()},
+      {"records_of_sh_by_reason", std::move(harmonics)},
       {"records_needing_sh", report.classes.needs_sh},
       {"records_by_curvature", std::move(reasons)},
       {"gather_rays", stats.gather_rays},
@@ -95,8 +102,8 @@ std::string stats_json(const RunReport& report) {
 std::string summary_line(const RunReport& report) {
   std::string line = fmt::format("{:.2f} s, {:.2f} CPU s", report.seconds, report.cpu_seconds);
   if (report.options.method == Method::kCache) {
-    line += fmt::format(", {} records ({} SH by the paper's rule)", report.stats.records,
-                        report.classes.needs_sh);
+    line += fmt::format(", {} records ({} of spherical harmonics)", report.stats.records,
+                        report.stats.records - report.classes.taylor());
   }
   line +=
       fmt::format(", {}rays ({}rays/s), {} MB", short_count(static_cast<double>(total_rays(report.stats))),

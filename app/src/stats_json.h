@@ -14,6 +14,9 @@ namespace vrc {
 struct RecordClasses {
   std::uint64_t needs_sh = 0;  ///< The paper would represent them by spherical harmonics.
   std::array<std::uint64_t, kCurvatureReasons> reasons{};
+  std::array<std::uint64_t, kHarmonicsReasons> harmonics{};
+
+  [[nodiscard]] std::uint64_t taylor() const { return harmonics[0]; }
 };
 
 [[nodiscard]] RecordClasses count_classes(std::span<const RadianceRecord> records);
@@ -44,7 +47,7 @@ struct RunReport {
 /// JSON text with the fields named as in the report; numbers that are not finite become null.
 [[nodiscard]] std::string stats_json(const RunReport& report);
 
-/// "12.3 s, 24.1 CPU s, 2051 records (143 SH by the paper's rule), 18.2 M rays (8.10 M/s), 210 MB,
+/// "12.3 s, 24.1 CPU s, 2051 records (143 of spherical harmonics), 18.2 M rays (8.10 M/s), 210 MB,
 /// relMSE 4.6e-04"
 [[nodiscard]] std::string summary_line(const RunReport& report);
 

@@ -15,8 +15,9 @@ namespace vrc {
 namespace {
 
 using Color8 = std::array<std::uint8_t, 3>;
-constexpr Color8 kShColor{214, 39, 40};
-constexpr Color8 kNeedsShColor{230, 94, 0};
+constexpr Color8 kShColor{230, 94, 0};
+
+bool holds_sh(const RecordMapEntry& record) { return record.harmonics_reason != HarmonicsReason::kNone; }
 
 float mean_radius(const RecordMapEntry& record) { return std::sqrt(record.radius1 * record.radius2); }
 
@@ -40,7 +41,7 @@ std::vector<Color8> record_colors(std::span<const RecordMapEntry> records) {
   colors.reserve(records.size());
   for (const RecordMapEntry& record : records) {
     const double position = (std::log(static_cast<double>(mean_radius(record))) - low) / range;
-    colors.push_back(record.is_sh != 0 ? kShColor : map_color8(position));
+    colors.push_back(holds_sh(record) ? kShColor : map_color8(position));
   }
   return colors;
 }
@@ -88,11 +89,10 @@ SurfaceArray color_array(std::vector<std::uint8_t> values) {
   return {"color", {"red", "green", "blue"}, std::move(values)};
 }
 
-std::vector<std::string> reason_words() {
+template <typename Reason>
+std::vector<std::string> words_of(std::size_t count) {
   std::vector<std::string> words;
-  for (std::size_t i = 0; i < kCurvatureReasons; ++i) {
-    words.emplace_back(name_of(static_cast<CurvatureReason>(i)));
-  }
+  for (std::size_t i = 0; i < count; ++i) words.emplace_back(name_of(static_cast<Reason>(i)));
   return words;
 }
 
@@ -112,8 +112,12 @@ void add_curvature(RecordArrays& a) {
   a.scalar("relative_curvature", [](const auto& r) { return r.curvature.relative_curvature; });
   a.scalar("exponent", [](const auto& r) { return r.curvature.exponent; });
   a.numbers<std::uint8_t>(
-      "reason", [](const auto& r) { return r.curvature.reason; }, reason_words());
-  a.numbers<std::uint8_t>("is_sh", [](const auto& r) { return r.is_sh; });
+      "reason", [](const auto& r) { return r.curvature.reason; },
+      words_of<CurvatureReason>(kCurvatureReasons));
+  a.numbers<std::uint8_t>("is_sh", holds_sh);
+  a.numbers<std::uint8_t>(
+      "sh_reason", [](const auto& r) { return r.harmonics_reason; },
+      words_of<HarmonicsReason>(kHarmonicsReasons));
   a.numbers<std::uint8_t>("needs_sh", [](const auto& r) { return r.curvature.needs_sh(); });
 }
 
@@ -155,29 +159,28 @@ SurfaceExport record_ellipses(std::span<const RecordMapEntry> records,
   SurfaceExport surface;
   surface.comment = "vrc valid regions of cache records on the surface; quality: mean radius";
   std::vector<float> normals, quality;
-  std::vector<std::uint8_t> colors, needs_sh;
+  std::vector<std::uint8_t> colors, is_sh;
   std::vector<std::int32_t> numbers;
   const std::vector<Color8> by_size = record_colors(records);
   for (std::size_t i = 0; i < records.size(); ++i) {
     const EllipseTessellation& ellipse = ellipses[i];
-    const bool orange = records[i].is_sh == 0 && records[i].curvature.needs_sh();
     const auto base = static_cast<std::uint32_t>(surface.positions.size());
     for (const auto& [a, b, c] : ellipse.triangles)
       surface.triangles.push_back({base + a, base + b, base + c});
     for (std::size_t v = 0; v < ellipse.positions.size(); ++v) {
       surface.positions.emplace_back(ellipse.positions[v].cast<float>());
       for (const double n : ellipse.normals[v]) normals.push_back(static_cast<float>(n));
-      append(colors, orange ? kNeedsShColor : by_size[i]);
+      append(colors, by_size[i]);
       quality.push_back(mean_radius(records[i]));
       numbers.push_back(static_cast<std::int32_t>(i));
-      needs_sh.push_back(records[i].curvature.needs_sh() ? 1 : 0);
+      is_sh.push_back(holds_sh(records[i]) ? 1 : 0);
     }
   }
   surface.vertex_arrays = {{"Normals", {"nx", "ny", "nz"}, std::move(normals)},
                            color_array(std::move(colors)),
                            {"quality", {"quality"}, std::move(quality)},
                            {"record", {"record"}, std::move(numbers)},
-                           {"needs_sh", {"needs_sh"}, std::move(needs_sh)}};
+                           {"is_sh", {"is_sh"}, std::move(is_sh)}};
   return surface;
 }
 

@@ -67,22 +67,21 @@ GatherRays::GatherRays(const Scene& scene, const RecordSite& site, const GatherO
   path_seed_ = static_cast<std::uint32_t>(hash(options.seed, site.key, 0x9a7u));
 }
 
-bool GatherRays::trace(const F16 (&u)[kSobolDimensions], std::uint32_t first_index, GatherPacket16& packet) {
-  packet.direction = sample_direction(u[0], u[1]);
-  const Directions16 d = directions_at_record(packet);
-  I16 active = (d.cos_i > 0.0f) & (dot(packet.direction, geometric_normal_) > 0.0f);
-  const F16 density = mixture_pdf(d);
-  active &= density > 1e-20f;
+bool GatherRays::trace(F16 density, F16 u1, F16 u2, std::uint32_t first_index, GatherPacket16& packet) {
+  const I16 active = (dot(packet.direction, normal_) > 0.0f) &
+                     (dot(packet.direction, geometric_normal_) > 0.0f) & (density > 1e-20f);
   const SurfacePoint16 hit =
       scene_.intersect(active, {origin_, packet.direction, splat(1e17f)}, RayTracer::Coherence::kCoherent);
   counts_.gather += lane_count(active);
-  note_distances(hit, packet.direction);
+  rays_ += kLanes;
+  packet.distance = select(hit.hit, hit.t, splat(std::numeric_limits<float>::infinity()));
+  note_distances(packet, hit.geometric_normal);
   const I16 lit = hit.scatters;
   if (!any(lit)) return false;
 
   const V3x16 r = select(lit, hit.position - splat3(frame_.x), normal_);
   packet.moving = moving_point(frame_, r);
-  add_direct_light(lit, hit, u[2], u[3], packet);
+  add_direct_light(lit, hit, u1, u2, packet);
   if (options_.bounces != 1) add_bounced_light(lit, hit, first_index, packet);
 
   // The geometric normal at the hit: the surface element does not know of shading normals.
@@ -126,13 +125,12 @@ F16 GatherRays::mixture_pdf(const Directions16& d) const {
   return sum;
 }
 
-void GatherRays::note_distances(const SurfacePoint16& hit, const V3x16& direction) {
-  const F16 t = select(hit.hit, hit.t, splat(std::numeric_limits<float>::infinity()));
-  inverse_distance_ += select(hit.hit, 1.0f / max(hit.t, 1e-30f), F16{});
-  const I16 nearer = t < nearest_;
-  nearest_ = select(nearer, t, nearest_);
-  nearest_direction_ = select(nearer, direction, nearest_direction_);
-  nearest_normal_ = select(nearer, hit.geometric_normal, nearest_normal_);
+void GatherRays::note_distances(const GatherPacket16& packet, const V3x16& normal) {
+  inverse_distance_ += 1.0f / max(packet.distance, 1e-30f);
+  const I16 nearer = packet.distance < nearest_;
+  nearest_ = select(nearer, packet.distance, nearest_);
+  nearest_direction_ = select(nearer, packet.direction, nearest_direction_);
+  nearest_normal_ = select(nearer, normal, nearest_normal_);
 }
 
 /// Adds the radiance that the hits reflect of light from directions m, with its glossy-glossy jet.

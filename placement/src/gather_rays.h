@@ -38,6 +38,7 @@ struct RgbJet16 {
 struct GatherPacket16 {
   V3x16 direction;      ///< Unit.
   F16 inverse_density;  ///< Of the rays per solid angle; 0 in lanes that found nothing.
+  F16 distance;         ///< To the hit; infinite without one.
   MovingPoint16 moving;
   UnitJet16 facing;   ///< Of -n_y . (y - x): the cosine at the hit times the distance.
   RgbJet16 incident;  ///< Radiance that the hit sends back, derivatives divided by nothing.
@@ -63,16 +64,23 @@ class GatherRays {
   void for_each_packet(const Body& body) {
     static thread_local SobolGrid grid;  // storage only: filled anew for every record
     fill_sobol_grid(grid, options_.log2_rays, sobol_seed_);
-    rays_ = grid.size();
     for (std::size_t i = 0; i < grid.size(); i += kLanes) {
       F16 u[kSobolDimensions];
       for (int d = 0; d < kSobolDimensions; ++d) __builtin_memcpy(&u[d], grid.u[d].data() + i, sizeof(F16));
       GatherPacket16 packet;
-      if (trace(u, static_cast<std::uint32_t>(i), packet)) body(packet);
+      packet.direction = sample_direction(u[0], u[1]);
+      const F16 density = mixture_pdf(directions_at_record(packet));
+      if (trace(density, u[2], u[3], static_cast<std::uint32_t>(i), packet)) body(packet);
     }
   }
 
+  /// Traces the packet's directions, which were chosen with `density` per solid angle; `u1` and `u2` choose
+  /// the light at the hits, `first_index` names the rays for further bounces. False when no ray found a
+  /// surface that reflects: then only `distance` is set.
+  bool trace(F16 density, F16 u1, F16 u2, std::uint32_t first_index, GatherPacket16& packet);
+
   [[nodiscard]] const Bsdf& bsdf() const { return bsdf_; }
+  /// Rays traced.
   [[nodiscard]] double ray_count() const { return static_cast<double>(rays_); }
   /// The pair of directions of a packet at the record.
   [[nodiscard]] Directions16 directions_at_record(const GatherPacket16& packet) const {
@@ -82,12 +90,10 @@ class GatherRays {
   void describe_hits(HitDistances& hits) const;
 
  private:
-  /// False when no ray found light.
-  bool trace(const F16 (&u)[kSobolDimensions], std::uint32_t first_index, GatherPacket16& packet);
   [[nodiscard]] V3x16 to_frame(const V3x16& v) const;
   [[nodiscard]] V3x16 sample_direction(F16 u1, F16 u2) const;
   [[nodiscard]] F16 mixture_pdf(const Directions16& d) const;
-  void note_distances(const SurfacePoint16& hit, const V3x16& direction);
+  void note_distances(const GatherPacket16& packet, const V3x16& normal);
   void add_reflection(I16 active, const SurfacePoint16& hit, const V3x16& m, const V3x16& radiance,
                       GatherPacket16& packet) const;
   void add_direct_light(I16 active, const SurfacePoint16& hit, F16 u1, F16 u2, GatherPacket16& packet);

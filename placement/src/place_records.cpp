@@ -59,7 +59,7 @@ class Placement {
     }
     reach_widely();
     result_.phases.push_back(timer.elapsed());
-    if (options_.joint_fit && options_.representation != Representation::kHarmonics) {
+    if (options_.joint_fit) {
       PhaseTimer fit_timer("fit records");
       fit_jointly(*charts_, result_.records, result_.reaches, rule_);
       result_.phases.push_back(fit_timer.elapsed());
@@ -286,7 +286,8 @@ class Placement {
   void classify() {
     parallel_for(result_.records.size(), [&](std::size_t i) {
       RadianceRecord& record = result_.records[i];
-      record.curvature = classify_site(*charts_, record, options_.max_normal_deviation);
+      if (options_.representation != Representation::kHybrid)
+        record.curvature = classify_site(*charts_, record, options_.max_normal_deviation);
     });
   }
 

@@ -42,7 +42,8 @@ class OrderedChooser : public PointChooser {
 /// Grows an anisotropic Poisson-disk set over the surfaces: around the ellipse of each new record six
 /// neighbours are sought at equal angles and equal distance in the ellipse's own metric, in the charts
 /// that it reaches; when the front gives out, the gaps are filled next to the records there are, and
-/// surfaces without records get a seed each. Two points of a round keep a distance of 1 in either one's metric.
+/// surfaces without records get a seed each. Two points of a round keep a distance of 1 in either one's
+/// metric.
 class FrontChooser : public PointChooser {
  public:
   FrontChooser(const SceneCharts& charts, const VisiblePoints& points) : charts_(charts), points_(points) {}
@@ -69,8 +70,8 @@ class FrontChooser : public PointChooser {
 
   const SceneCharts& charts_;
   const VisiblePoints& points_;
-  std::size_t known_ = 0;               ///< Records that have been looked at.
-  std::vector<std::uint32_t> parents_;  ///< Of the records: the record beside which each was placed.
+  std::size_t known_ = 0;                      ///< Records that have been looked at.
+  std::vector<std::uint32_t> parents_;         ///< Of the records: the record beside which each was placed.
   std::vector<std::uint32_t> chosen_parents_;  ///< Of the points returned last.
   std::vector<std::uint32_t> active_;          ///< Records that may have open points beside them.
   std::size_t first_open_ = 0;

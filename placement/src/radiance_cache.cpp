@@ -18,6 +18,7 @@ PackedRecord pack(const RadianceRecord& record) {
   p.radius1 = static_cast<float>(r.radius1);
   p.radius2 = static_cast<float>(r.radius2);
   p.cos_max_deviation = static_cast<float>(r.cos_max_deviation);
+  p.split_sphere = r.split_sphere;
   p.inverse_deviation = static_cast<float>(1.0 / std::max(1.0 - r.cos_max_deviation, 1e-12));
   p.reach = std::max(p.radius1, p.radius2);
   // Derivatives per unit of (a, b), the offsets divided by the radii: they have radiance's unit.
@@ -53,9 +54,14 @@ Coverage16 coverage(const PackedRecord& record, const V3x16& x, const V3x16& n, 
   const F16 kr = dot(n, splat3(record.normal));
   const F16 kt2 = (c.a * c.a + c.b * c.b + along_normal * along_normal) * (1.0f / (support * support));
   const F16 k = sqrt(kt2 + max(1.0f - kr, 0.0f) * record.inverse_deviation);
+  const I16 inside = applies & (kr >= record.cos_max_deviation);
+  if (record.split_sphere) {
+    c.weight =
+        select(inside, max(1.0f / max(k, static_cast<float>(kSmallestSplitDistance)) - 1.0f, 0.0f), F16{});
+    return c;
+  }
   const F16 kr2 = kr * kr, kr4 = kr2 * kr2, kr8 = kr4 * kr4;
-  c.weight =
-      select(applies & (kr >= record.cos_max_deviation), max(1.0f - k * kr, 0.0f) * (kr8 * kr8), F16{});
+  c.weight = select(inside, max(1.0f - k * kr, 0.0f) * (kr8 * kr8), F16{});
   return c;
 }
 

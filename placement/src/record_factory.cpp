@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.h"
+#include "placement/irradiance.h"
+
 namespace vrc {
 namespace {
 
@@ -77,6 +80,12 @@ RecordFactory::RecordFactory(const SceneCharts& charts, const CacheOptions& opti
   if (options.representation == Representation::kAnalytic && options.strategy == Strategy::kViewDependent)
     return;
   const std::vector<Bsdf>& bsdfs = charts.scene().bsdfs();
+  if (options.representation == Representation::kIrradiance) {
+    if (std::ranges::any_of(bsdfs, [](const Bsdf& b) { return b.sharpness() > 0.0f; }))
+      throw InputError("irradiance caching is for diffuse surfaces, and this scene has glossy ones");
+    brdfs_ = std::make_shared<const BrdfHarmonicsSet>(bsdfs, 1);
+    return;
+  }
   const int order = options.harmonics_order > 0 ? options.harmonics_order : harmonics_order_for(bsdfs);
   gatherer_ = std::make_unique<const HarmonicsGatherer>(order);
   brdfs_ = std::make_shared<const BrdfHarmonicsSet>(bsdfs, order);
@@ -101,7 +110,8 @@ RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& 
     estimate.luminance = harmonics->luminance;
     return estimate;
   };
-  const bool only_harmonics = options_.representation == Representation::kHarmonics;
+  const bool only_harmonics = options_.representation == Representation::kHarmonics ||
+                              options_.representation == Representation::kIrradiance;
   RadianceRecord record = make_record(scene, site, only_harmonics ? gather_harmonics_at : gather_radiance_at,
                                       gather.log2_rays, goal);
   if (only_harmonics) {
@@ -123,29 +133,41 @@ std::shared_ptr<const RecordHarmonics> RecordFactory::gather_harmonics(const Rec
                                                                        const GatherOptions& gather,
                                                                        RayCounts& counts,
                                                                        HitDistances& hits) const {
-  auto result = std::make_shared<RecordHarmonics>();
   GatherOptions options = gather;
+  if (options_.representation == Representation::kIrradiance) {
+    const IrradianceEstimate irradiance =
+        gather_irradiance(charts_.scene(), site, options, options_.irradiance_derivatives, counts);
+    hits = irradiance.hits;
+    return with_radiance(site, as_harmonics(irradiance, site.point.normal));
+  }
   // Towards one camera the lobe matters most; for all directions eq. 7 has uniform rays.
   options.directions =
       options_.strategy == Strategy::kViewDependent ? GatherDirections::kMixture : GatherDirections::kUniform;
-  result->incident = gatherer_->gather(charts_.scene(), site, options, counts, hits);
-  const BrdfHarmonics& brdf = brdfs_->of(static_cast<std::size_t>(site.point.material));
-  Eigen::MatrixXf weights(result->incident.count(), 3);
-  brdf.response(site.point.normal, site.to_camera.normalized(), weights);
-  result->radiance = outgoing_radiance(result->incident, weights);
-  result->luminance = luminance(result->radiance);
+  const auto result = with_radiance(site, gatherer_->gather(charts_.scene(), site, options, counts, hits));
   if (options_.strategy == Strategy::kViewIndependent)
     result->all_directions = all_incident(result->incident);
-  if (options_.strategy == Strategy::kViewIndependentOutgoing)
+  if (options_.strategy == Strategy::kViewIndependentOutgoing) {
+    const BrdfHarmonics& brdf = brdfs_->of(static_cast<std::size_t>(site.point.material));
     result->all_directions = all_outgoing(result->incident, brdf, site.frame, brdfs_->rotator());
+  }
+  return result;
+}
+
+std::shared_ptr<RecordHarmonics> RecordFactory::with_radiance(const RecordSite& site,
+                                                              IncidentHarmonics incident) const {
+  auto result = std::make_shared<RecordHarmonics>();
+  result->incident = std::move(incident);
+  Eigen::MatrixXf weights(result->incident.count(), 3);
+  brdfs_->of(static_cast<std::size_t>(site.point.material))
+      .response(site.point.normal, site.to_camera.normalized(), weights);
+  result->radiance = outgoing_radiance(result->incident, weights);
+  result->luminance = luminance(result->radiance);
   return result;
 }
 
 HarmonicsReason RecordFactory::reason_for(const RadianceRecord& record) const {
-  if (options_.harmonics_rule == HarmonicsRule::kPaper) {
-    const SiteCurvature site = classify_site(charts_, record, options_.max_normal_deviation);
-    return site.needs_sh() ? HarmonicsReason::kTurns : HarmonicsReason::kNone;
-  }
+  if (options_.harmonics_rule == HarmonicsRule::kPaper)
+    return record.curvature.needs_sh() ? HarmonicsReason::kTurns : HarmonicsReason::kNone;
   const SurfacePoint& point = record.site.point;
   const Vec2 principal = point.shape_operator.selfadjointView<Eigen::Lower>().eigenvalues();
   const double curvature = principal.maxCoeff();
@@ -161,6 +183,8 @@ void RecordFactory::shape(RadianceRecord& record, const RegionRule& rule, const 
   if (options_.representation == Representation::kHybrid) record.harmonics_reason = HarmonicsReason::kNone;
   shape_record(record, rule);
   if (options_.representation != Representation::kHybrid) return;
+  // By the ellipse that the record would have with Taylor polynomials.
+  record.curvature = classify_site(charts_, record, options_.max_normal_deviation);
   record.harmonics_reason = reason_for(record);
   if (!record.uses_harmonics()) return;
   if (!record.harmonics) {

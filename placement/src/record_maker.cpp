@@ -107,6 +107,8 @@ double perceived(double value, double mean_luminance) {
   return std::sqrt(value * value + kDarkShare * kDarkShare * mean_luminance * mean_luminance);
 }
 
+double split_sphere_share(double epsilon) { return 2.0 * std::pow(epsilon, 0.25); }
+
 void shape_record(RadianceRecord& record, const RegionRule& rule) {
   const RecordSite& site = record.site;
   const double picture = site.pixel_length * rule.picture_width;
@@ -117,10 +119,19 @@ void shape_record(RadianceRecord& record, const RegionRule& rule) {
                                : std::max(brightness.value, 1e-30);
   RegionAxes axes = hessian_radii(brightness, reference, rule.epsilon * picture * picture,
                                   rule.options->gradient_share, kMaximumPictureShare * picture);
-  if (rule.options->metric == PlacementMetric::kUniform) {
-    axes.radius1 = axes.radius2 = rule.uniform_radius * picture;
-  } else {
-    axes = within_nearest_hit(axes, record);
+  const double share = split_sphere_share(rule.epsilon);
+  const bool split_sphere = rule.options->metric == PlacementMetric::kSplitSphere;
+  switch (rule.options->metric) {
+    case PlacementMetric::kHessian:
+      axes = within_nearest_hit(axes, record);
+      break;
+    case PlacementMetric::kUniform:
+      axes.radius1 = axes.radius2 = rule.uniform_radius * picture;
+      break;
+    case PlacementMetric::kSplitSphere:
+      axes.radius1 = axes.radius2 = std::min(share / std::max(record.estimate.hits.mean_inverse, 1e-30),
+                                             kMaximumPictureShare * picture);
+      break;
   }
   axes.radius1 = std::max(axes.radius1, site.pixel_length);
   axes.radius2 = std::max(axes.radius2, site.pixel_length);
@@ -132,8 +143,10 @@ void shape_record(RadianceRecord& record, const RegionRule& rule) {
   region.radius1 = axes.radius1;
   region.radius2 = axes.radius2;
   region.normal_radius = std::min(axes.radius1, axes.radius2);
+  region.split_sphere = split_sphere;
   region.cos_max_deviation =
-      std::cos(record.uses_harmonics() ? kHarmonicsTurn : rule.options->max_normal_deviation);
+      split_sphere ? 1.0 - std::min(0.5, share * share)
+                   : std::cos(record.uses_harmonics() ? kHarmonicsTurn : rule.options->max_normal_deviation);
   set_radiance(record, record.uses_harmonics() ? record.harmonics->radiance : record.estimate.radiance,
                rule.mean_luminance);
 }

@@ -169,7 +169,7 @@ Image draw_record_overlay(const Image& picture, const RadianceCache& cache,
                [&](std::size_t i) { strokes[i] = strokes_of(scene, records[i], options.scale); });
   LinePainter taylor(picture.width, picture.height), harmonics = taylor;
   for (std::size_t i = 0; i < records.size(); ++i) {
-    LinePainter& layer = records[i].curvature.needs_sh() ? harmonics : taylor;
+    LinePainter& layer = records[i].uses_harmonics() ? harmonics : taylor;
     // Small ellipses, which crowd, get thinner lines and smaller dots.
     const double share =
         std::clamp(drawn_radius(records[i], options.scale) / kFullLineRadius, kThinnest, 1.0);

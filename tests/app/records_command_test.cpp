@@ -51,7 +51,7 @@ TEST_F(RecordsCommand, WritesMapsEllipsesAndStatistics) {
                                                   "--ellipses", at("e.ply"), "--stats", at("a.json")}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.err, "");
-  EXPECT_THAT(result.out, HasSubstr("SH by the paper's rule"));
+  EXPECT_THAT(result.out, HasSubstr("(0 of spherical harmonics)"));
 
   const test::ExportedPly map = test::read_exported_ply(at("a.ply"));
   const auto json = nlohmann::json::parse(test::read_file(at("a.json")));
@@ -59,6 +59,7 @@ TEST_F(RecordsCommand, WritesMapsEllipsesAndStatistics) {
   EXPECT_EQ(json.at("records"), map.vertices.size());
   // Boxes are flat: no record of this scene needs spherical harmonics.
   EXPECT_EQ(json.at("records_needing_sh"), 0);
+  EXPECT_EQ(json.at("records_of_sh"), 0);
   std::size_t sum = 0;
   for (const auto& [reason, count] : json.at("records_by_curvature").items()) sum += count.get<std::size_t>();
   EXPECT_EQ(sum, map.vertices.size());

@@ -76,6 +76,7 @@ const std::map<std::string, double>& first_record() {
                                                     {"h22", -7},
                                                     {"quality", 7},
                                                     {"is_sh", 0},
+                                                    {"sh_reason", 0},
                                                     {"needs_sh", 1},
                                                     {"deviation", 0.25},
                                                     {"curvature", 2},
@@ -96,7 +97,7 @@ const std::map<std::string, double>& first_record() {
 TEST(RecordMap, HoldsEveryFieldUnderItsName) {
   const test::TempDir folder;
   auto records = two_records();
-  records[1].is_sh = 1;
+  records[1].harmonics_reason = HarmonicsReason::kTurns;
   write_surface(folder / "map.ply", record_map(records));
   const test::ExportedPly ply = test::read_exported_ply(folder / "map.ply");
   ASSERT_EQ(ply.vertices.size(), 2u);
@@ -107,6 +108,7 @@ TEST(RecordMap, HoldsEveryFieldUnderItsName) {
   EXPECT_EQ(ply.vertices[0].size(), first_record().size() + 3);  // and the colour
   EXPECT_NEAR(ply.vertices[1].at("quality"), 3.0, 1e-5);         // of the matrix 1 2 / 2 1
   EXPECT_EQ(ply.vertices[1].at("is_sh"), 1);
+  EXPECT_EQ(ply.vertices[1].at("sh_reason"), 2);
   EXPECT_EQ(ply.vertices[1].at("needs_sh"), 0);
   EXPECT_EQ(ply.vertices[1].at("patch"), -1);
 }
@@ -132,24 +134,25 @@ TEST(RecordMap, AsCsvGivesBackEveryValueAndNamesReasons) {
   }
   for (const auto& [name, value] : first_record()) {
     ASSERT_TRUE(first.contains(name)) << name;
-    if (name == "reason") continue;
+    if (name == "reason" || name == "sh_reason") continue;
     EXPECT_EQ(std::stof(first.at(name)), static_cast<float>(value)) << name;
   }
   EXPECT_EQ(first.at("L_r"), "0.1");  // the shortest text of the float
   EXPECT_EQ(first.at("reason"), "ellipse-turns");
   EXPECT_EQ(second.at("reason"), "flat");
+  EXPECT_EQ(first.at("sh_reason"), "none");
   EXPECT_EQ(second.at("nearest_hit"), "inf");
 }
 
-TEST(RecordMap, ColoursGrowLighterWithTheRadiusAndShIsRed) {
+TEST(RecordMap, ColoursGrowLighterWithTheRadiusAndShIsOrange) {
   const test::TempDir folder;
   auto records = two_records();
   records.push_back(records[0]);
-  records[2].is_sh = 1;
+  records[2].harmonics_reason = HarmonicsReason::kAlways;
   write_surface(folder / "map.ply", record_map(records));
   const test::ExportedPly ply = test::read_exported_ply(folder / "map.ply");
   EXPECT_LT(ply.vertices[0].at("green") + 100, ply.vertices[1].at("green"));
-  EXPECT_GT(ply.vertices[2].at("red"), 4 * ply.vertices[2].at("green"));
+  EXPECT_EQ(ply.vertices[2].at("red"), 230.0);
 }
 
 TEST(RecordMap, OfNoRecordsIsAnEmptyFile) {
@@ -167,17 +170,19 @@ TEST(RecordEllipses, NameTheirRecordsAndMarkTheirClass) {
   triangle.normals.assign(3, Vec3::UnitZ());
   triangle.triangles = {{0, 1, 2}};
   const std::vector<EllipseTessellation> ellipses{triangle, triangle};
-  write_surface(folder / "e.ply", record_ellipses(two_records(), ellipses));
+  auto records = two_records();
+  records[0].harmonics_reason = HarmonicsReason::kSmallConvex;
+  write_surface(folder / "e.ply", record_ellipses(records, ellipses));
   const test::ExportedPly ply = test::read_exported_ply(folder / "e.ply");
   ASSERT_EQ(ply.vertices.size(), 6u);
   EXPECT_THAT(ply.triangles, ElementsAre(ElementsAre(0, 1, 2), ElementsAre(3, 4, 5)));
   EXPECT_EQ(ply.vertices[1].at("x"), 1.0);
   EXPECT_EQ(ply.vertices[2].at("nz"), 1.0);
   EXPECT_EQ(ply.vertices[2].at("record"), 0.0);
-  EXPECT_EQ(ply.vertices[2].at("needs_sh"), 1.0);
+  EXPECT_EQ(ply.vertices[2].at("is_sh"), 1.0);
   EXPECT_EQ(ply.vertices[2].at("red"), 230.0);  // orange
   EXPECT_EQ(ply.vertices[5].at("record"), 1.0);
-  EXPECT_EQ(ply.vertices[5].at("needs_sh"), 0.0);
+  EXPECT_EQ(ply.vertices[5].at("is_sh"), 0.0);
   EXPECT_NEAR(ply.vertices[5].at("quality"), 2.0, 1e-6);
 }
 

@@ -55,7 +55,8 @@ class RecordOverlay : public testing::Test {
     Image picture(kSize, kSize, {"R", "G", "B"});
     std::ranges::fill(picture.pixels, static_cast<float>(value));
     const std::vector<SurfaceReach> reaches = reaches_of(*charts_, records, 3.0);
-    return draw_record_overlay(picture, RadianceCache(charts_, std::move(records), reaches), options_);
+    return draw_record_overlay(picture, RadianceCache(charts_, std::move(records), reaches, brdfs_),
+                               options_);
   }
   [[nodiscard]] Vec2 film(const Vec3& p) const {
     const Camera& camera = scene_.camera();
@@ -66,6 +67,8 @@ class RecordOverlay : public testing::Test {
 
   Scene scene_{two_walls()};
   std::shared_ptr<const SceneCharts> charts_ = std::make_shared<const SceneCharts>(scene_);
+  std::shared_ptr<const BrdfHarmonicsSet> brdfs_ =
+      std::make_shared<const BrdfHarmonicsSet>(scene_.bsdfs(), 1);
   RecordOverlayOptions options_;
 };
 
@@ -109,7 +112,8 @@ TEST_F(RecordOverlay, ShowsTheClassInColours) {
     return result;
   };
   EXPECT_FLOAT_EQ(brightest(2), options_.taylor_color[2]);
-  record.curvature.reason = CurvatureReason::kSurfaceTurns;
+  record.harmonics = std::make_shared<const RecordHarmonics>();
+  record.harmonics_reason = HarmonicsReason::kTurns;
   EXPECT_FLOAT_EQ(brightest(0), options_.harmonics_color[0]);
   EXPECT_FLOAT_EQ(brightest(2), options_.harmonics_color[2]);
 }

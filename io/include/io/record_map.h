@@ -8,7 +8,7 @@
 #include "core/types.h"
 #include "geometry/ellipse_tessellation.h"
 #include "io/surface_export.h"
-#include "placement/site_curvature.h"
+#include "placement/record.h"
 
 namespace vrc {
 
@@ -33,24 +33,24 @@ struct RecordMapEntry {
   std::uint32_t face = kInvalidIndex;   ///< Triangle of the scene.
   std::uint32_t patch = kInvalidIndex;  ///< Chart of the scene, and where in it.
   Vec2f uv = Vec2f::Zero();
-  std::uint8_t is_sh = 0;  ///< 1 for records that hold spherical harmonics.
+  HarmonicsReason harmonics_reason = HarmonicsReason::kNone;
 };
 
 /// One point for each record, with the properties
 ///   x y z nx ny nz, red green blue, quality, radius, r1 r2, e1x e1y e1z e2x e2y e2z, L_r L_g L_b,
 ///   L_stddev, g1 g2, h11 h12 h22, clamp_factor, nearest_hit, mean_hit, deviation, curvature,
-///   relative_curvature, exponent, reason, is_sh, needs_sh, region, face, patch, u v.
+///   relative_curvature, exponent, reason, is_sh, sh_reason, needs_sh, region, face, patch, u v.
 /// `quality` is the largest |eigenvalue| of the Hessian and `radius` is sqrt(r1 r2). `deviation` is the
 /// angle by which the normal turns in the region [rad], `needs_sh` is 1 where it is above theta_max, and
-/// `reason` says what decided: 0 flat, 1 turns-little, 2 ellipse-turns, 3 surface-turns, the word in
-/// .csv files. Absent numbers are -1. Colours map the logarithm of `radius` over the range of the file,
-/// dark for small; records of spherical harmonics (is_sh) are red.
+/// `reason` says what decided: 0 flat, 1 turns-little, 2 ellipse-turns, 3 surface-turns. `is_sh` is 1
+/// for records that hold spherical harmonics, and `sh_reason` says why: 0 none, 1 always, 2 turns,
+/// 3 small-convex. In .csv files reasons are words. Absent numbers are -1. Colours map the logarithm of
+/// `radius` over the range of the file, dark for small; records of spherical harmonics are orange.
 [[nodiscard]] SurfaceExport record_map(std::span<const RecordMapEntry> records);
 
 /// The records' ellipses on the surface, those of record i being ellipses[i], with the arrays
-///   nx ny nz, red green blue, quality (= sqrt(r1 r2)), record, needs_sh
-/// at the vertices. Colours are those of `record_map`, but ellipses of records that the paper would
-/// represent by spherical harmonics (needs_sh) are orange.
+///   nx ny nz, red green blue, quality (= sqrt(r1 r2)), record, is_sh
+/// at the vertices. Colours are those of `record_map`.
 [[nodiscard]] SurfaceExport record_ellipses(std::span<const RecordMapEntry> records,
                                             std::span<const EllipseTessellation> ellipses);
 

@@ -6,8 +6,9 @@
 namespace vrc {
 
 enum class PlacementMetric {
-  kHessian,  ///< Radii from eq. 4.
-  kUniform,  ///< One radius everywhere (for comparison).
+  kHessian,      ///< Radii from eq. 4.
+  kUniform,      ///< One radius everywhere (for comparison).
+  kSplitSphere,  ///< A share of the mean distance of what a record sees, and Ward's weights [Ward1988].
 };
 
 enum class Sampler {
@@ -26,7 +27,14 @@ enum class Strategy {
 enum class Representation {
   kAnalytic,   ///< Radiance towards the camera with its derivatives.
   kHarmonics,  ///< Incident radiance in spherical harmonics.
-  kHybrid      ///< Radiance, but spherical harmonics where `HarmonicsRule` says so.
+  kHybrid,     ///< Radiance, but spherical harmonics where `HarmonicsRule` says so.
+  kIrradiance  ///< Irradiance with derivatives, on diffuse surfaces.
+};
+
+/// Where the derivatives of irradiance come from.
+enum class IrradianceDerivatives {
+  kStrata,    ///< Translational gradient from the borders of hemisphere cells [WardHeckbert1992].
+  kTriangles  ///< Gradient and Hessian of triangles through the hits [Schwarzhaupt2012].
 };
 
 /// Where a hybrid cache holds spherical harmonics.
@@ -50,6 +58,7 @@ struct CacheOptions {
   Strategy strategy = Strategy::kViewDependent;
   Representation representation = Representation::kHybrid;
   HarmonicsRule harmonics_rule = HarmonicsRule::kAuto;
+  IrradianceDerivatives irradiance_derivatives = IrradianceDerivatives::kStrata;
   int harmonics_order = 0;  ///< Of spherical harmonics; 0 chooses by the sharpest lobe that they suit.
   bool joint_fit = true;    ///< Refine records by their neighbours' values, weighted by noise.
 };

@@ -14,7 +14,8 @@ namespace vrc {
 /// spherical harmonics. Const and thread-safe.
 class RecordFactory {
  public:
-  /// Scene, charts and options must outlive it.
+  /// Charts, their scene and options must outlive it. Throws InputError when irradiance is to be cached
+  /// and the scene has glossy surfaces.
   RecordFactory(const SceneCharts& charts, const CacheOptions& options);
 
   /// What must be known to shade with the records' harmonics; null when no record can have any.
@@ -34,6 +35,9 @@ class RecordFactory {
                                                                         const GatherOptions& gather,
                                                                         RayCounts& counts,
                                                                         HitDistances& hits) const;
+  /// The record's harmonics from those of incident radiance: what they reflect to the camera.
+  [[nodiscard]] std::shared_ptr<RecordHarmonics> with_radiance(const RecordSite& site,
+                                                               IncidentHarmonics incident) const;
   [[nodiscard]] HarmonicsReason reason_for(const RadianceRecord& record) const;
 
   const SceneCharts& charts_;

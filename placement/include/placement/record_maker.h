@@ -20,6 +20,10 @@ struct RegionRule {
 /// sqrt(L^2 + (0.2 mean)^2): the L of the relative error, kept away from 0 in the dark.
 [[nodiscard]] double perceived(double value, double mean_luminance);
 
+/// The accuracy of irradiance caching that stands for a threshold: radii are this share of the mean
+/// distance, and normals may differ by about 1.4 times as many radians. 0.2 at --error 0.03.
+[[nodiscard]] double split_sphere_share(double epsilon);
+
 /// Fills the record's region, radiance and clamp factor from its estimate. The radii lie between one
 /// pixel and a tenth of the picture, within the nearest gather hit, and along the crease of a wall
 /// within six times as much.

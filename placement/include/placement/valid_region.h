@@ -17,6 +17,7 @@ struct ValidRegion {
   double radius1 = 0.0, radius2 = 0.0;
   double normal_radius = 0.0;
   double cos_max_deviation = 0.0;  ///< Cosine of theta_max.
+  bool split_sphere = false;       ///< Weighted as irradiance caching does instead of eq. 14.
 };
 
 /// Translation weight k_t of [Zhao eq. 15]; 1 on the ellipsoid.
@@ -37,13 +38,19 @@ struct ValidRegion {
                                  std::max(1.0 - region.cos_max_deviation, 1e-12));
 }
 
+/// Below it the weight of a split sphere stays finite.
+inline constexpr double kSmallestSplitDistance = 1e-3;
+
 /// The weight of a record at x with normal n: [Zhao eq. 14] with the joint distance k in the place of
-/// k_t, the ellipsoid widened `support` times; 0 where the normals differ by more than theta_max.
+/// k_t, the ellipsoid widened `support` times; 0 where the normals differ by more than theta_max. Of
+/// split spheres 1 / k - 1 [Ward1988, moved to 0 at the border].
 [[nodiscard]] inline double weight(const ValidRegion& region, const Vec3& x, const Vec3& n,
                                    double support = 1.0) {
   const double kr = region.normal.dot(n);
   if (kr < region.cos_max_deviation) return 0.0;
-  return std::max(0.0, 1.0 - joint_distance(region, x, n, support) * kr) * std::pow(std::max(0.0, kr), 16.0);
+  const double k = joint_distance(region, x, n, support);
+  if (region.split_sphere) return std::max(0.0, 1.0 / std::max(k, kSmallestSplitDistance) - 1.0);
+  return std::max(0.0, 1.0 - k * kr) * std::pow(std::max(0.0, kr), 16.0);
 }
 
 /// Half axes and directions of an ellipse in tangent coordinates.

@@ -16,10 +16,9 @@ struct RecordOverlayOptions {
 };
 
 /// The picture as a PNG without exposure would show it, channels R, G, B in [0, 1], and over it the rims
-/// of the records' ellipses, as they lie on the surface, and their centres: in one colour the records
-/// of the paper's Taylor class and over them, in the other, those that it would represent by spherical
-/// harmonics (SiteCurvature::needs_sh). What the camera does not see is left out. The time grows with
-/// the pixels that are drawn.
+/// of the records' ellipses, as they lie on the surface, and their centres: in one colour Taylor records
+/// and over them, in the other, those of spherical harmonics. What the camera does not see is left out. The
+/// time grows with the pixels that are drawn.
 [[nodiscard]] Image draw_record_overlay(const Image& picture, const RadianceCache& cache,
                                         const RecordOverlayOptions& options = {});
 
