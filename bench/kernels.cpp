@@ -6,9 +6,10 @@
 #include "core/sobol.h"
 #include "io/scene_reader.h"
 #include "placement/gather.h"
-#include "placement/visible_points.h"
+#include "placement/incident_harmonics.h"
 #include "placement/place_records.h"
 #include "placement/tile.h"
+#include "placement/visible_points.h"
 #include "shading/interpolate.h"
 #include "transport/path_tracer.h"
 
@@ -68,6 +69,29 @@ void gather_one_record(benchmark::State& state) {
 }
 BENCHMARK(gather_one_record)->Arg(12)->Arg(14)->Unit(benchmark::kMicrosecond);
 
+/// Spherical harmonics of an order at the same sites, with derivatives of all coefficients.
+void gather_harmonics(benchmark::State& state) {
+  const Fixture& f = fixture();
+  const std::vector<RecordSite> sites = some_sites(f);
+  const HarmonicsGatherer gatherer(static_cast<int>(state.range(1)));
+  GatherOptions options;
+  options.log2_rays = static_cast<int>(state.range(0));
+  RayCounts counts;
+  HitDistances hits;
+  std::size_t next = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(gatherer.gather(f.scene, sites[next++ % sites.size()], options, counts, hits));
+  }
+  state.counters["gather rays"] = benchmark::Counter(as_double(counts.gather), benchmark::Counter::kIsRate);
+}
+BENCHMARK(gather_harmonics)
+    ->ArgNames({"log2_rays", "order"})
+    ->Args({12, 6})
+    ->Args({12, 10})
+    ->Args({12, 16})
+    ->Args({12, 24})
+    ->Unit(benchmark::kMicrosecond);
+
 void primary_rays(benchmark::State& state) {
   const Fixture& f = fixture();
   RayCounts counts;
@@ -87,13 +111,12 @@ void interpolate_samples(benchmark::State& state) {
   options.gather_rays = 1024;
   const PlacementView view = {0, 0, kSize, kSize, &f.film};
   PlacementResult placed = place_records(f.scene, view, options, 1, 1, {});
-  const RadianceCache cache(placed.charts, std::move(placed.records), placed.reaches);
+  const RadianceCache cache(placed.charts, std::move(placed.records), placed.reaches, placed.brdfs);
   RayCounts counts;
   const Tile tile = trace_tile(f.scene, f.film, f.layout, f.layout.count() / 2, {0, 1}, counts);
   for (auto _ : state) {
     const TileRecords records(cache, tile);
-    for (std::size_t i = 0; i < tile.points.size(); ++i)
-      benchmark::DoNotOptimize(interpolate(records, i, 2));
+    for (std::size_t i = 0; i < tile.points.size(); ++i) benchmark::DoNotOptimize(interpolate(records, i, 2));
   }
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(tile.points.size() * kLanes));
 }

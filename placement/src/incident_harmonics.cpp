@@ -12,27 +12,10 @@ constexpr int kBatchPackets = 8;
 constexpr int kBatch = kBatchPackets * kLanes;
 
 // Factors of Y that are summed over the rays, three channels each. v, g, h are the incident radiance times
-// the geometry term with its derivatives; r is the unit direction in the record's frame, t the distance.
-enum BaseFactor {
-  kV,
-  kG1,
-  kG2,
-  kH11,
-  kH12,
-  kH22,
-  kVr1,
-  kVr2,
-  kVrn,
-  kGr11,
-  kGr12,
-  kGr22,
-  kVrr11,
-  kVrr12,
-  kVrr22,
-  kBaseFactors
-};
-enum RaisedFactor { kVt, kG1t, kG2t, kVr1t, kVr2t, kRaisedFactors };
-enum TwiceRaisedFactor { kVtt, kTwiceRaisedFactors };
+// the geometry term with its derivatives, t the distance.
+enum BaseFactor { kV, kG1, kG2, kH11, kH12, kH22, kBaseFactors };
+enum DividedFactor { kVt, kG1t, kG2t, kDividedFactors };  // read by first derivatives of Y
+enum TwiceDividedFactor { kVtt, kTwiceDividedFactors };   // by second ones
 
 using RowMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -59,21 +42,23 @@ class BatchRows {
 
 }  // namespace
 
-/// Sums over rays: columns are factors, three channels each.
+/// Sums over rays: columns are factors, three channels each. First derivatives of Y read one order more,
+/// second ones two.
 struct HarmonicsGatherer::Moments {
-  Eigen::MatrixXf base, raised, twice_raised;
+  Eigen::MatrixXf base, divided, twice_divided;
 
   explicit Moments(int order)
       : base(Eigen::MatrixXf::Zero(sh::coefficient_count(order), 3 * kBaseFactors)),
-        raised(Eigen::MatrixXf::Zero(sh::coefficient_count(order + 1), 3 * kRaisedFactors)),
-        twice_raised(Eigen::MatrixXf::Zero(sh::coefficient_count(order + 2), 3 * kTwiceRaisedFactors)) {}
+        divided(Eigen::MatrixXf::Zero(sh::coefficient_count(order + 1), 3 * kDividedFactors)),
+        twice_divided(Eigen::MatrixXf::Zero(sh::coefficient_count(order + 2), 3 * kTwiceDividedFactors)) {}
 };
 
 namespace {
 
 /// A batch of rays with the factors of their sums.
 struct Batch {
-  BatchRows basis, base{3 * kBaseFactors}, raised{3 * kRaisedFactors}, twice_raised{3 * kTwiceRaisedFactors};
+  BatchRows basis, base{3 * kBaseFactors}, divided{3 * kDividedFactors},
+      twice_divided{3 * kTwiceDividedFactors};
   int packets = 0;
 
   explicit Batch(int coefficients) : basis(coefficients) {}
@@ -86,49 +71,30 @@ struct Batch {
     const F16 w = packet.inverse_density;
     f.add_product({w, w, w}, geometry, packet.incident);
     const F16 inverse = 1.0f / sqrt(p.rr);
-    const F16 r1 = p.r1 * inverse, r2 = p.r2 * inverse, rn = p.nr * inverse;
-    const V3x16 v = f.value * inverse, vv = v * inverse;
-    const V3x16 g1 = f.g1 * inverse, g2 = f.g2 * inverse;
-    const int k = packets;
-    base.set(kV, k, f.value);
-    base.set(kG1, k, f.g1);
-    base.set(kG2, k, f.g2);
-    base.set(kH11, k, f.h11);
-    base.set(kH12, k, f.h12);
-    base.set(kH22, k, f.h22);
-    base.set(kVr1, k, v * r1);
-    base.set(kVr2, k, v * r2);
-    base.set(kVrn, k, v * rn);
-    base.set(kGr11, k, g1 * (2.0f * r1));
-    base.set(kGr12, k, g1 * r2 + g2 * r1);
-    base.set(kGr22, k, g2 * (2.0f * r2));
-    base.set(kVrr11, k, vv * (r1 * r1));
-    base.set(kVrr12, k, vv * (r1 * r2));
-    base.set(kVrr22, k, vv * (r2 * r2));
-    raised.set(kVt, k, v);
-    raised.set(kG1t, k, g1);
-    raised.set(kG2t, k, g2);
-    raised.set(kVr1t, k, vv * r1);
-    raised.set(kVr2t, k, vv * r2);
-    twice_raised.set(kVtt, k, vv);
+    const V3x16 v = f.value * inverse;
+    base.set(kV, packets, f.value);
+    base.set(kG1, packets, f.g1);
+    base.set(kG2, packets, f.g2);
+    base.set(kH11, packets, f.h11);
+    base.set(kH12, packets, f.h12);
+    base.set(kH22, packets, f.h22);
+    divided.set(kVt, packets, v);
+    divided.set(kG1t, packets, f.g1 * inverse);
+    divided.set(kG2t, packets, f.g2 * inverse);
+    twice_divided.set(kVtt, packets, v * inverse);
   }
 
   void clear_factors(int packet) {
     for (int row = 0; row < 3 * kBaseFactors; ++row) base.at(row, packet) = F16{};
-    for (int row = 0; row < 3 * kRaisedFactors; ++row) raised.at(row, packet) = F16{};
-    for (int row = 0; row < 3 * kTwiceRaisedFactors; ++row) twice_raised.at(row, packet) = F16{};
+    for (int row = 0; row < 3 * kDividedFactors; ++row) divided.at(row, packet) = F16{};
+    for (int row = 0; row < 3 * kTwiceDividedFactors; ++row) twice_divided.at(row, packet) = F16{};
   }
 };
-
-/// Columns 3 factor + channel, for all three channels.
-Eigen::MatrixXd columns(const Eigen::MatrixXf& moments, int factor) {
-  return moments.middleCols(3 * factor, 3).cast<double>();
-}
 
 }  // namespace
 
 HarmonicsGatherer::HarmonicsGatherer(int order)
-    : order_(order), basis_(order + 2), raise_(order), raise_again_(order + 1) {}
+    : order_(order), basis_(order + 2), once_(order), twice_(order + 1) {}
 
 IncidentHarmonics HarmonicsGatherer::gather(const Scene& scene, const RecordSite& site,
                                             const GatherOptions& options, RayCounts& counts,
@@ -140,8 +106,8 @@ IncidentHarmonics HarmonicsGatherer::gather(const Scene& scene, const RecordSite
     for (int k = batch.packets; k < kBatchPackets; ++k) batch.clear_factors(k);
     const auto y = batch.basis.matrix();
     moments.base.noalias() += y.topRows(moments.base.rows()) * batch.base.matrix().transpose();
-    moments.raised.noalias() += y.topRows(moments.raised.rows()) * batch.raised.matrix().transpose();
-    moments.twice_raised.noalias() += y * batch.twice_raised.matrix().transpose();
+    moments.divided.noalias() += y.topRows(moments.divided.rows()) * batch.divided.matrix().transpose();
+    moments.twice_divided.noalias() += y * batch.twice_divided.matrix().transpose();
     batch.packets = 0;
   };
   rays.for_each_packet([&](const GatherPacket16& packet) {
@@ -156,46 +122,45 @@ IncidentHarmonics HarmonicsGatherer::gather(const Scene& scene, const RecordSite
 
 IncidentHarmonics HarmonicsGatherer::finish(const Moments& moments, const RecordSite& site,
                                             double rays) const {
-  const Vec3 axes[3] = {site.frame.tangent, site.frame.bitangent, site.frame.normal};
   const Mat2& s = site.point.shape_operator;
   const int count = sh::coefficient_count(order_);
-  Eigen::VectorXd p(count);
-  for (int l = 0; l <= order_; ++l) p.segment(l * l, 2 * l + 1).setConstant(l + 1.0);
+  Mat3 axes;  // rows
+  axes << site.frame.tangent.transpose(), site.frame.bitangent.transpose(), site.frame.normal.transpose();
 
-  // A along an axis of the record's frame.
-  const auto raise = [&](const sh::RaisingOperators& raising, int axis,
-                         const Eigen::MatrixXd& sums) -> Eigen::MatrixXd {
-    return axes[axis][0] * raising.apply(0, sums) + axes[axis][1] * raising.apply(1, sums) +
-           axes[axis][2] * raising.apply(2, sums);
+  // Along an axis of the record's frame, from those of the world.
+  const auto along = [&](int axis, const Eigen::MatrixXd(&world)[3]) -> Eigen::MatrixXd {
+    return axes(axis, 0) * world[0] + axes(axis, 1) * world[1] + axes(axis, 2) * world[2];
   };
-  const auto base = [&](int factor) { return columns(moments.base, factor); };
-  const auto raised = [&](int factor, int axis) {
-    return raise(raise_, axis, columns(moments.raised, factor));
+  const Eigen::MatrixXd divided = moments.divided.cast<double>();
+  const Eigen::MatrixXd twice_divided = moments.twice_divided.cast<double>();
+  Eigen::MatrixXd first[3], inner[3];
+  for (std::size_t i = 0; i < 3; ++i) {
+    first[i] = once_.differentiate[i] * divided;
+    inner[i] = twice_.differentiate[i] * twice_divided - twice_.multiply[i] * twice_divided;
+  }
+  // First derivatives of Y along the frame's axes in the moments v, g1 and g2: columns as in `divided`.
+  const Eigen::MatrixXd along_axis[3] = {along(0, first), along(1, first), along(2, first)};
+  const auto moved = [&](int factor, int axis) { return along_axis[axis].middleCols(3 * factor, 3); };
+  const auto base = [&](int factor) -> Eigen::MatrixXd {
+    return moments.base.middleCols(3 * factor, 3).cast<double>();
   };
-  const auto times_p = [&](const Eigen::MatrixXd& m) -> Eigen::MatrixXd { return p.asDiagonal() * m; };
-
-  // How the direction to a fixed hit changes: r moves by -d and, bending with the surface, by
+  const auto second = [&](int a, int b) -> Eigen::MatrixXd {
+    const Eigen::MatrixXd along_b = along(b, inner);
+    Eigen::MatrixXd world[3];
+    for (std::size_t i = 0; i < 3; ++i) world[i] = once_.differentiate[i] * along_b;
+    return along(a, world);
+  };
+  // Hits stay where they are: the direction to them moves by -d and, bending with the surface, by
   // n (d^T S d) / 2.
-  const Eigen::MatrixXd along_normal = times_p(base(kVrn)) + raised(kVt, 2);
-  const auto gradient = [&](int g, int vr, int axis) -> Eigen::MatrixXd {
-    return base(g) - times_p(base(vr)) - raised(kVt, axis);
-  };
-  const Eigen::MatrixXd vtt = columns(moments.twice_raised, kVtt);
-  const auto hessian = [&](int h, int gr, int vrr, int a, int b) -> Eigen::MatrixXd {
-    Eigen::MatrixXd m = base(h) - times_p(base(gr));
-    m -= raised(kG1t + a, b) + raised(kG1t + b, a);
-    m += times_p((p.array() - 2.0).matrix().asDiagonal() * base(vrr));
-    if (a == b) m += times_p(vtt.topRows(count));
-    m += times_p(raised(kVr1t + a, b) + raised(kVr1t + b, a));
-    m += raise(raise_, a, raise(raise_again_, b, vtt));
-    return m + s(a, b) * along_normal;
+  const auto hessian = [&](int factor, int a, int b) -> Eigen::MatrixXd {
+    return base(factor) - moved(kG1t + a, b) - moved(kG1t + b, a) + second(a, b) + s(a, b) * moved(kVt, 2);
   };
   const Eigen::MatrixXd entries[IncidentHarmonics::kEntries] = {base(kV),
-                                                                gradient(kG1, kVr1, 0),
-                                                                gradient(kG2, kVr2, 1),
-                                                                hessian(kH11, kGr11, kVrr11, 0, 0),
-                                                                hessian(kH12, kGr12, kVrr12, 0, 1),
-                                                                hessian(kH22, kGr22, kVrr22, 1, 1)};
+                                                                base(kG1) - moved(kVt, 0),
+                                                                base(kG2) - moved(kVt, 1),
+                                                                hessian(kH11, 0, 0),
+                                                                hessian(kH12, 0, 1),
+                                                                hessian(kH22, 1, 1)};
   IncidentHarmonics result;
   result.coefficients.resize(Eigen::NoChange, count);
   for (int k = 0; k < IncidentHarmonics::kEntries; ++k) {

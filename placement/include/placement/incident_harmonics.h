@@ -7,7 +7,7 @@
 
 #include "placement/gather.h"
 #include "sh/basis.h"
-#include "sh/derivatives.h"
+#include "sh/coordinate_operators.h"
 
 namespace vrc {
 
@@ -33,10 +33,8 @@ class HarmonicsGatherer {
 
   /// Sums over the rays of a gather [Zhao eq. 7, as an integral over surfaces]. Fills in `hits`.
   ///
-  /// With p = l + 1 and the irregular solid harmonics, whose derivatives are sums of those of the next
-  /// band (sh::RaisingOperators A), derivatives of Y_lm(r / |r|) need no basis but Y itself up to order + 2:
-  ///   d_a Y = (p r_a Y + A_a Y) / |r|,  d_ab Y = ((p delta_ab + p (p - 2) r_a r_b) Y
-  ///                                      + p (r_a A_b + r_b A_a) Y + A_a A_b Y) / r^2.
+  /// With Y(r / |r|) differentiated by sh::CoordinateOperators (D, and X for the direction), derivatives need
+  /// no basis but Y itself up to order + 2: d_a Y = D_a Y / |r|, d_ab Y = D_a (D_b - X_b) Y / r^2.
   [[nodiscard]] IncidentHarmonics gather(const Scene& scene, const RecordSite& site,
                                          const GatherOptions& options, RayCounts& counts,
                                          HitDistances& hits) const;
@@ -46,8 +44,8 @@ class HarmonicsGatherer {
   [[nodiscard]] IncidentHarmonics finish(const Moments& moments, const RecordSite& site, double rays) const;
 
   int order_;
-  sh::Basis basis_;  ///< Of order + 2.
-  sh::RaisingOperators raise_, raise_again_;
+  sh::Basis basis_;                       ///< Of order + 2.
+  sh::CoordinateOperators once_, twice_;  ///< Of order and order + 1.
 };
 
 /// Outgoing radiance from the weights of a BRDF (BrdfHarmonics::response: coefficients x channels), with
