@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <CLI/CLI.hpp>
+#include <iostream>
 #include <memory>
 
+#include "app/command_line.h"
 #include "app/version.h"
 #include "commands.h"
 #include "core/image_error.h"
 #include "interrupt.h"
+#include "io/atomic_file.h"
 #include "io/image_io.h"
 #include "render_arguments.h"
 #include "scene_run.h"
@@ -91,13 +94,51 @@ int run_render(const RenderArguments& arguments, const std::string& command_line
   return finish_run(arguments, run, writing, total);
 }
 
+/// a/b.exr as a/b_0012.exr.
+fs::path frame_path(const fs::path& path, std::size_t frame) {
+  return path.parent_path() /
+         fmt::format("{}_{:04}{}", path.stem().string(), frame, path.extension().string());
+}
+
+int run_fly_through(const RenderArguments& arguments, const std::string& command_line) {
+  check_render_arguments(arguments);
+  const InterruptGuard interrupt;
+  std::vector<RunReport> reports;
+  double cpu_before = 0.0;
+  const auto write = [&](std::size_t frame, const SceneRun& run) {
+    OutputErrors errors;
+    for (const fs::path& path : arguments.images) {
+      errors.attempt(
+          [&] { write_picture(frame_path(path, frame), run.result.image, arguments.exposure, run.report); });
+    }
+    errors.rethrow_first();
+    reports.push_back(run.report);
+    RunReport& report = reports.back();
+    for (const PhaseTime& phase : report.stats.phases) report.seconds += phase.seconds;
+    const double cpu = process_cpu_seconds();
+    report.cpu_seconds = cpu - cpu_before;
+    cpu_before = cpu;
+    std::cout << fmt::format("frame {}: {} records made, {}", frame, report.stats.records_made,
+                             summary_line(report))
+              << std::endl;
+  };
+  run_frames(arguments, command_line, interrupt.flag(), write);
+  if (arguments.stats) write_file_atomically(*arguments.stats, frames_json(reports));
+  if (!interrupt.flag()) return kExitDone;
+  std::cerr << "vrc: interrupted: the last frame is unfinished\n";
+  return kExitInterrupted;
+}
+
 }  // namespace
 
 CommandAction add_render_command(CLI::App& program, const std::string& command_line) {
   CLI::App* command = program.add_subcommand("render", "Render a scene to EXR and PNG files");
   const auto arguments = std::make_shared<RenderArguments>();
   declare_render_options(*command, *arguments);
-  return [arguments, command_line] { return run_render(*arguments, command_line); };
+  return [arguments, command_line] {
+    return arguments->camera_path ? run_fly_through(*arguments, command_line)
+                                  : run_render(*arguments, command_line);
+  };
 }
 
 }  // namespace vrc

@@ -83,6 +83,16 @@ void declare_outputs(CLI::App& command, RenderArguments& arguments) {
   add_output_file(command, "--reference", arguments.reference,
                   "Print the relMSE of R, G, B against this picture");
   declare_exposure(command, arguments);
+  add_value(
+      command, "--camera-path", "FILE",
+      "Render a frame for each line 'ox oy oz tx ty tz [ux uy uz]' of this file (origin, target, up) from "
+      "one cache that grows; frame 12 of a.exr is a_0012.exr",
+      "a file name",
+      [&arguments](const std::string& text) {
+        arguments.camera_path = text;
+        return !text.empty();
+      })
+      ->group("Output");
   command.add_flag("--aovs", arguments.render.aovs, "Add the layers albedo, N and depth to EXR files")
       ->group("Output");
 }
@@ -258,6 +268,8 @@ void declare_records_options(CLI::App& command, RenderArguments& arguments) {
 
 RenderOptions render_options_for(const RenderArguments& arguments, const SceneDescription& scene) {
   RenderOptions options = arguments.render;
+  // Only incident radiance serves the cameras of other frames.
+  if (arguments.camera_path) options.cache.representation = Representation::kHarmonics;
   options.cache = baseline_options(arguments.baseline, options.cache);
   options.samples_per_pixel = arguments.samples_per_pixel.value_or(scene.samples_per_pixel);
   const int scene_bounces = scene.max_depth < 0 ? -1 : std::max(0, scene.max_depth - 2);

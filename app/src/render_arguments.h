@@ -21,7 +21,7 @@ struct RenderArguments {
   SceneReadOptions scene_options;
   double crease_angle = CreaseOptions{}.crease_angle;  ///< [degrees]
   CurvatureMethod curvature = CurvatureMethod::kFaceTensors;
-  RenderOptions render;                  ///< Without what the scene decides; see `render_options_for`.
+  RenderOptions render;  ///< Without what the scene decides; see `render_options_for`.
   Baseline baseline = Baseline::kNone;
   std::optional<int> samples_per_pixel;  ///< Default: the scene's.
   std::optional<int> bounces;            ///< Default: from the scene's max_depth.
@@ -32,7 +32,8 @@ struct RenderArguments {
   std::vector<std::filesystem::path> record_maps;  ///< .ply, .vtp and .csv
   std::optional<std::filesystem::path> record_ellipses, record_overlay, stats;
   std::optional<std::filesystem::path> reference;
-  double exposure = 0.0;  ///< Of PNG files, in powers of two.
+  std::optional<std::filesystem::path> camera_path;  ///< Renders a picture for each of its cameras.
+  double exposure = 0.0;                             ///< Of PNG files, in powers of two.
 };
 
 /// Declare the options of the command on `command`; parsing fills `arguments`, which must live as

@@ -73,6 +73,24 @@ void check_inputs(const RenderArguments& arguments) {
   if (!fs::exists(arguments.scene, error)) throw InputError(arguments.scene.string(), 0, "no such file");
 }
 
+/// Records of earlier frames must serve other cameras.
+void check_camera_path(const RenderArguments& arguments) {
+  const CacheOptions& cache = arguments.render.cache;
+  const bool any_camera =
+      arguments.baseline != Baseline::kNone ||
+      (cache.strategy != Strategy::kViewDependent && cache.representation != Representation::kAnalytic);
+  if (arguments.render.method != Method::kCache || !any_camera) {
+    throw InputError(
+        "--camera-path needs records that serve any camera: give --strategy view-independent or "
+        "view-independent-outgoing, or a --baseline");
+  }
+  if (cache.records > 0) throw InputError("--camera-path makes records by --error, not by --records");
+  if (!arguments.record_maps.empty() || arguments.record_ellipses || arguments.record_overlay ||
+      arguments.reference) {
+    throw InputError("--camera-path writes pictures and --stats only; leave out record maps and --reference");
+  }
+}
+
 }  // namespace
 
 void check_render_arguments(const RenderArguments& arguments) {
@@ -81,6 +99,7 @@ void check_render_arguments(const RenderArguments& arguments) {
   if (wants_records && arguments.render.method != Method::kCache) {
     throw InputError("--record-map, --record-ellipses and --record-overlay need --method cache");
   }
+  if (arguments.camera_path) check_camera_path(arguments);
   check_inputs(arguments);
   check_outputs(arguments);
 }

@@ -8,6 +8,7 @@
 #include "app/progress.h"
 #include "core/parallel.h"
 #include "io/atomic_file.h"
+#include "io/camera_path.h"
 #include "io/image_io.h"
 #include "record_entries.h"
 #include "shading/record_overlay.h"
@@ -26,13 +27,13 @@ void print_messages(const SceneDescription& scene, bool quiet) {
 }
 
 RenderResult render_with_progress(const Scene& scene, const RenderOptions& options, bool quiet,
-                                  const std::atomic<bool>& stop) {
+                                  const std::atomic<bool>& stop, const EarlierFrames& earlier) {
   ProgressDisplay display(std::cerr, quiet ? ProgressStyle::kNone : progress_style_of_stderr(),
                           steady_seconds, terminal_columns());
   RunControl control;
   control.progress = [&display](const ProgressUpdate& update) { display.update(update); };
   control.stop = &stop;
-  return render(scene, options, control);
+  return render(scene, options, control, earlier);
 }
 
 /// Without a cache, the picture alone.
@@ -43,12 +44,17 @@ void write_overlay(const std::filesystem::path& path, const RenderResult& result
   write_png(path, draw_record_overlay(result.image, *result.cache, options));
 }
 
-}  // namespace
+/// Reads the scene and starts the report. The scene is not const: a fly-through moves its camera.
+struct LoadedScene {
+  std::unique_ptr<Scene> scene;
+  RunReport report;
+};
 
-SceneRun run_scene(const RenderArguments& arguments, const std::string& command_line,
-                   const std::atomic<bool>& stop, const std::function<void(const SceneDescription&)>& check) {
-  SceneRun run;
-  RunReport& report = run.report;
+LoadedScene load_scene(const RenderArguments& arguments, const std::string& command_line,
+                       const std::atomic<bool>& stop,
+                       const std::function<void(const SceneDescription&)>& check) {
+  LoadedScene loaded;
+  RunReport& report = loaded.report;
   report.scene = arguments.scene.string();
   report.command_line = command_line;
   report.threads = set_thread_count(arguments.threads);
@@ -62,20 +68,58 @@ SceneRun run_scene(const RenderArguments& arguments, const std::string& command_
   report.width = description.camera.width;
   report.height = description.camera.height;
   check(description);
-  const PhaseTime reading_time = reading.elapsed();
+  report.stats.phases.push_back(reading.elapsed());
   const PhaseTimer building("build scene");
-  run.scene = std::make_unique<const Scene>(description);
-  const PhaseTime building_time = building.elapsed();
+  loaded.scene = std::make_unique<Scene>(description);
+  report.stats.phases.push_back(building.elapsed());
   if (stop) throw Interrupted();
+  return loaded;
+}
 
+/// Renders and completes the report, whose phases so far are kept.
+RenderResult render_reported(const Scene& scene, bool quiet, const std::atomic<bool>& stop,
+                             const EarlierFrames& earlier, RunReport& report) {
   const PhaseTimer rendering("render");
-  run.result = render_with_progress(*run.scene, report.options, arguments.quiet, stop);
+  RenderResult result = render_with_progress(scene, report.options, quiet, stop, earlier);
   report.render_seconds = rendering.elapsed().seconds;
-  report.stats = run.result.stats;
-  if (run.result.cache) report.classes = count_classes(run.result.cache->records());
-  auto& phases = report.stats.phases;
-  phases.insert(phases.begin(), {reading_time, building_time});
+  std::vector<PhaseTime> phases = std::move(report.stats.phases);
+  report.stats = result.stats;
+  report.stats.phases.insert(report.stats.phases.begin(), phases.begin(), phases.end());
+  if (result.cache) report.classes = count_classes(result.cache->records());
+  return result;
+}
+
+}  // namespace
+
+SceneRun run_scene(const RenderArguments& arguments, const std::string& command_line,
+                   const std::atomic<bool>& stop, const std::function<void(const SceneDescription&)>& check) {
+  LoadedScene loaded = load_scene(arguments, command_line, stop, check);
+  SceneRun run;
+  run.report = std::move(loaded.report);
+  run.scene = std::move(loaded.scene);
+  run.result = render_reported(*run.scene, arguments.quiet, stop, {}, run.report);
   return run;
+}
+
+void run_frames(const RenderArguments& arguments, const std::string& command_line,
+                const std::atomic<bool>& stop,
+                const std::function<void(std::size_t frame, const SceneRun&)>& finish) {
+  std::vector<Camera> cameras;
+  LoadedScene loaded = load_scene(arguments, command_line, stop, [&](const SceneDescription& scene) {
+    cameras = read_camera_path(*arguments.camera_path, scene.camera);
+  });
+  const std::shared_ptr<Scene> scene = std::move(loaded.scene);
+  SceneRun run;
+  run.scene = scene;
+  for (std::size_t frame = 0; frame < cameras.size() && !stop; ++frame) {
+    scene->look_through(cameras[frame]);
+    const RenderResult before = std::move(run.result);
+    const EarlierFrames earlier = {before.cache ? &*before.cache : nullptr, before.scale};
+    run.report = loaded.report;
+    run.result = render_reported(*scene, arguments.quiet, stop, earlier, run.report);
+    finish(frame, run);
+    loaded.report.stats.phases.clear();  // reading and building are reported with the first frame
+  }
 }
 
 void write_record_files(const RenderArguments& arguments, const RenderResult& result, OutputErrors& errors) {

@@ -14,7 +14,7 @@ namespace vrc {
 
 /// A scene that was read and rendered.
 struct SceneRun {
-  std::unique_ptr<const Scene> scene;  ///< The result's cache refers to it.
+  std::shared_ptr<const Scene> scene;  ///< The result's cache refers to it.
   RenderResult result;
   RunReport report;
 };
@@ -24,6 +24,12 @@ struct SceneRun {
 [[nodiscard]] SceneRun run_scene(const RenderArguments& arguments, const std::string& command_line,
                                  const std::atomic<bool>& stop,
                                  const std::function<void(const SceneDescription&)>& check);
+
+/// Renders the frames of `arguments.camera_path`, each from the records of those before it, and hands
+/// them to `finish` in order. Stops after the frame in which `stop` is raised. Throws as run_scene does.
+void run_frames(const RenderArguments& arguments, const std::string& command_line,
+                const std::atomic<bool>& stop,
+                const std::function<void(std::size_t frame, const SceneRun&)>& finish);
 
 /// Runs several writers: one that fails does not keep the others from writing.
 class OutputErrors {

@@ -51,8 +51,16 @@ RecordClasses count_classes(std::span<const RadianceRecord> records) {
   return classes;
 }
 
-std::string stats_json(const RunReport& report) {
-  using Json = nlohmann::ordered_json;
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// File names may hold bytes that are no UTF-8; they are replaced rather than refused.
+std::string text_of(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Json json_of(const RunReport& report) {
   const RenderStats& stats = report.stats;
   Json phases = Json::array();
   for (const PhaseTime& phase : stats.phases) {
@@ -83,6 +91,7 @@ std::string stats_json(const RunReport& report) {
       {"cpu_seconds", report.cpu_seconds},
       {"phases", std::move(phases)},
       {"records", stats.records},
+      {"records_made", stats.records_made},
       {"records_of_sh", stats.records - report.classes.taylor()},
       {"records_of_sh_by_reason", std::move(harmonics)},
       {"records_needing_sh", report.classes.needs_sh},
@@ -95,8 +104,17 @@ std::string stats_json(const RunReport& report) {
       {"peak_memory_bytes", peak_memory_bytes()},
   };
   if (report.relmse) json["relmse"] = *report.relmse;
-  // File names may hold bytes that are no UTF-8; they are replaced rather than refused.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json;
+}
+
+}  // namespace
+
+std::string stats_json(const RunReport& report) { return text_of(json_of(report)); }
+
+std::string frames_json(std::span<const RunReport> frames) {
+  Json list = Json::array();
+  for (const RunReport& report : frames) list.push_back(json_of(report));
+  return text_of(Json{{"frames", std::move(list)}});
 }
 
 std::string summary_line(const RunReport& report) {

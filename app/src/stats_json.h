@@ -46,6 +46,8 @@ struct RunReport {
 
 /// JSON text with the fields named as in the report; numbers that are not finite become null.
 [[nodiscard]] std::string stats_json(const RunReport& report);
+/// The frames of a fly-through: {"frames": [...]}, each as above.
+[[nodiscard]] std::string frames_json(std::span<const RunReport> frames);
 
 /// "12.3 s, 24.1 CPU s, 2051 records (143 of spherical harmonics), 18.2 M rays (8.10 M/s), 210 MB,
 /// relMSE 4.6e-04"

@@ -28,13 +28,13 @@ constexpr double kCoarsestError = 2.0;  // where that search begins
 class Placement {
  public:
   Placement(const Scene& scene, const PlacementView& view, const CacheOptions& options, int bounces,
-            std::uint64_t seed, const RunControl& control)
+            std::uint64_t seed, const RunControl& control, const EarlierFrames& earlier)
       : scene_(scene),
         view_(view),
         options_(options),
         control_(control),
-        charts_(make_charts()),
-        factory_(*charts_, options),
+        charts_(earlier.cache != nullptr ? earlier.cache->shared_charts() : make_charts()),
+        factory_(*charts_, options, earlier.cache != nullptr ? earlier.cache->brdfs() : nullptr),
         points_(options.sampler == Sampler::kImage ? pixel_centres(*charts_, view, result_.counts.camera)
                                                    : film_points(*charts_, view, result_.counts.camera)) {
     gather_.bounces = bounces;
@@ -42,6 +42,11 @@ class Placement {
     gather_.seed = seed;
     rule_.options = &options_;
     rule_.picture_width = std::max(scene.camera().width, scene.camera().height);
+    if (earlier.cache != nullptr) {
+      const auto records = earlier.cache->records();
+      result_.records.assign(records.begin(), records.end());
+      result_.scale = earlier.scale;
+    }
     if (options.sampler == Sampler::kImage)
       chooser_ = std::make_unique<OrderedChooser>(points_);
     else
@@ -50,7 +55,10 @@ class Placement {
 
   PlacementResult run() {
     PhaseTimer timer("place records");
-    pilot();
+    if (result_.scale.log2_rays == 0) pilot();
+    rule_.mean_luminance = result_.scale.mean_luminance;
+    gather_.log2_rays = result_.scale.log2_rays;
+    if (options_.gather_rays == 0) noise_goal_ = {kNoiseLimit * accepted_error(), rule_.mean_luminance};
     if (options_.records > 0) {
       reach_count();
     } else {
@@ -70,7 +78,6 @@ class Placement {
     result_.charts = charts_;
     result_.brdfs = factory_.brdfs();
     result_.epsilon = rule_.epsilon;
-    result_.mean_luminance = rule_.mean_luminance;
     return std::move(result_);
   }
 
@@ -146,8 +153,7 @@ class Placement {
     rule_.mean_luminance =
         result_.records.empty() ? 1.0 : std::max(sum / static_cast<double>(result_.records.size()), 1e-30);
     gather_.log2_rays = options_.gather_rays > 0 ? log2_ceiling(options_.gather_rays) : rays_for_noise();
-    result_.log2_rays = gather_.log2_rays;
-    if (options_.gather_rays == 0) noise_goal_ = {kNoiseLimit * accepted_error(), rule_.mean_luminance};
+    result_.scale = {rule_.mean_luminance, gather_.log2_rays};
     result_.records.clear();
   }
 
@@ -308,8 +314,9 @@ class Placement {
 }  // namespace
 
 PlacementResult place_records(const Scene& scene, const PlacementView& view, const CacheOptions& options,
-                              int bounces, std::uint64_t seed, const RunControl& control) {
-  return Placement(scene, view, options, bounces, seed, control).run();
+                              int bounces, std::uint64_t seed, const RunControl& control,
+                              const EarlierFrames& earlier) {
+  return Placement(scene, view, options, bounces, seed, control, earlier).run();
 }
 
 }  // namespace vrc

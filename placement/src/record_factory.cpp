@@ -75,20 +75,21 @@ int harmonics_order_for(const std::vector<Bsdf>& bsdfs) {
   return std::clamp(static_cast<int>(std::ceil(2.5 * std::sqrt(sharpest))), kLeastOrder, kMostOrder);
 }
 
-RecordFactory::RecordFactory(const SceneCharts& charts, const CacheOptions& options)
-    : charts_(charts), options_(options) {
+RecordFactory::RecordFactory(const SceneCharts& charts, const CacheOptions& options,
+                             std::shared_ptr<const BrdfHarmonicsSet> brdfs)
+    : charts_(charts), options_(options), brdfs_(std::move(brdfs)) {
   if (options.representation == Representation::kAnalytic && options.strategy == Strategy::kViewDependent)
     return;
   const std::vector<Bsdf>& bsdfs = charts.scene().bsdfs();
   if (options.representation == Representation::kIrradiance) {
     if (std::ranges::any_of(bsdfs, [](const Bsdf& b) { return b.sharpness() > 0.0f; }))
       throw InputError("irradiance caching is for diffuse surfaces, and this scene has glossy ones");
-    brdfs_ = std::make_shared<const BrdfHarmonicsSet>(bsdfs, 1);
+    if (!brdfs_) brdfs_ = std::make_shared<const BrdfHarmonicsSet>(bsdfs, 1);
     return;
   }
   const int order = options.harmonics_order > 0 ? options.harmonics_order : harmonics_order_for(bsdfs);
   gatherer_ = std::make_unique<const HarmonicsGatherer>(order);
-  brdfs_ = std::make_shared<const BrdfHarmonicsSet>(bsdfs, order);
+  if (!brdfs_) brdfs_ = std::make_shared<const BrdfHarmonicsSet>(bsdfs, order);
 }
 
 RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& gather, const NoiseGoal& goal,

@@ -34,7 +34,7 @@ V3x16 interpolate(const TileRecords& records, std::size_t packet, int taylor_ord
   const SurfacePoint16& p = records.tile().points[packet];
   if (!any(p.scatters)) return V3x16{};
   const V3x16 to_viewer = -records.tile().packets[packet].direction;
-  PacketResponse response(records.cache().brdfs(), p, to_viewer);
+  PacketResponse response(records.cache().brdfs().get(), p, to_viewer);
   const WeightedSum near = blend_records(records, packet, taylor_order, kBlendSupport, response);
   V3x16 result = near.radiance * (1.0f / max(near.weight, 1e-20f));
   const I16 missed = p.scatters & ~(near.weight > 0.0f);

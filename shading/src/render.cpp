@@ -40,10 +40,12 @@ void add_to(float* pixel, I16 mask, const V3x16& v) {
 
 class Renderer {
  public:
-  Renderer(const Scene& scene, const RenderOptions& options, const RunControl& control)
+  Renderer(const Scene& scene, const RenderOptions& options, const RunControl& control,
+           const EarlierFrames& earlier)
       : scene_(scene),
         options_(options),
         control_(control),
+        earlier_(earlier),
         layers_(options.aovs),
         film_(scene.camera(), scene.film(), options.samples_per_pixel, options.seed) {
     const Camera& camera = scene.camera();
@@ -93,10 +95,13 @@ class Renderer {
   void place(RenderResult& result) {
     const PlacementView view = {layout_.x0, layout_.y0, layout_.x1, layout_.y1, &film_};
     PlacementResult placed =
-        place_records(scene_, view, options_.cache, options_.bounces, options_.seed, control_);
+        place_records(scene_, view, options_.cache, options_.bounces, options_.seed, control_, earlier_);
     counts_ += placed.counts;
     result.stats.phases = std::move(placed.phases);
     result.stats.records = placed.records.size();
+    result.stats.records_made =
+        placed.records.size() - (earlier_.cache != nullptr ? earlier_.cache->records().size() : 0);
+    result.scale = placed.scale;
     result.stats.unfinished = placed.unfinished;
     cache_.emplace(std::move(placed.charts), std::move(placed.records), placed.reaches,
                    std::move(placed.brdfs));
@@ -182,6 +187,7 @@ class Renderer {
   const Scene& scene_;
   const RenderOptions& options_;
   const RunControl& control_;
+  const EarlierFrames& earlier_;
   Layers layers_;
   FilmSampler film_;
   TileLayout layout_;
@@ -193,8 +199,9 @@ class Renderer {
 
 }  // namespace
 
-RenderResult render(const Scene& scene, const RenderOptions& options, const RunControl& control) {
-  return Renderer(scene, options, control).run();
+RenderResult render(const Scene& scene, const RenderOptions& options, const RunControl& control,
+                    const EarlierFrames& earlier) {
+  return Renderer(scene, options, control, earlier).run();
 }
 
 }  // namespace vrc

@@ -92,7 +92,7 @@ TEST(PlaceRecords, MakesMoreRecordsForASmallerError) {
     EXPECT_GT(placed.records.size(), previous + previous / 4);
     previous = placed.records.size();
     EXPECT_GT(placed.counts.gather, 500u * previous);
-    EXPECT_GT(placed.mean_luminance, 0.0);
+    EXPECT_GT(placed.scale.mean_luminance, 0.0);
   }
 }
 

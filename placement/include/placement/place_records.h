@@ -15,6 +15,19 @@ struct PlacementView {
   const FilmSampler* film = nullptr;   ///< The samples that will be shaded.
 };
 
+/// What a placement learns from the picture before it makes records.
+struct PictureScale {
+  double mean_luminance = 0.0;  ///< Of the indirect light.
+  int log2_rays = 0;            ///< Of each record.
+};
+
+/// The records of earlier frames, which show what they can of the next one. They must serve any camera:
+/// Representation::kHarmonics or kIrradiance, made with the same options.
+struct EarlierFrames {
+  const RadianceCache* cache = nullptr;
+  PictureScale scale;
+};
+
 struct PlacementResult {
   std::shared_ptr<const SceneCharts> charts;
   std::vector<RadianceRecord> records;
@@ -23,8 +36,7 @@ struct PlacementResult {
   RayCounts counts;
   std::vector<PhaseTime> phases;
   double epsilon = 0.0;  ///< The threshold that was used (RegionRule::epsilon).
-  double mean_luminance = 0.0;
-  int log2_rays = 0;        ///< Rays of each record.
+  PictureScale scale;
   bool unfinished = false;  ///< Stopped by the user: not every point is covered.
 };
 
@@ -36,8 +48,9 @@ inline constexpr double kWideSupport = 3.0;
 /// Places records in rounds: points that no region covers yet become records, gathered in parallel
 /// against the frozen cache and admitted in order, until every visible point and then every sample is
 /// covered. `CacheOptions::sampler` says which points are taken next. Deterministic at any thread count.
+/// With earlier frames only what their records leave open gets new ones, which come after them.
 [[nodiscard]] PlacementResult place_records(const Scene& scene, const PlacementView& view,
                                             const CacheOptions& options, int bounces, std::uint64_t seed,
-                                            const RunControl& control);
+                                            const RunControl& control, const EarlierFrames& earlier = {});
 
 }  // namespace vrc

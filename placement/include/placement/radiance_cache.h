@@ -69,8 +69,9 @@ class RadianceCache {
                 std::shared_ptr<const BrdfHarmonicsSet> brdfs = nullptr);
 
   [[nodiscard]] const SceneCharts& charts() const { return *charts_; }
+  [[nodiscard]] const std::shared_ptr<const SceneCharts>& shared_charts() const { return charts_; }
   [[nodiscard]] std::span<const RadianceRecord> records() const { return records_; }
-  [[nodiscard]] const BrdfHarmonicsSet* brdfs() const { return brdfs_.get(); }
+  [[nodiscard]] const std::shared_ptr<const BrdfHarmonicsSet>& brdfs() const { return brdfs_; }
   [[nodiscard]] std::span<const PackedRecord> packed() const { return packed_; }
   /// By records, and for one record by patches.
   [[nodiscard]] std::span<const Footprint> footprints() const { return footprints_; }

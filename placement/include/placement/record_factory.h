@@ -16,7 +16,9 @@ class RecordFactory {
  public:
   /// Charts, their scene and options must outlive it. Throws InputError when irradiance is to be cached
   /// and the scene has glossy surfaces.
-  RecordFactory(const SceneCharts& charts, const CacheOptions& options);
+  /// `brdfs` of an earlier factory with the same options are used again.
+  RecordFactory(const SceneCharts& charts, const CacheOptions& options,
+                std::shared_ptr<const BrdfHarmonicsSet> brdfs = nullptr);
 
   /// What must be known to shade with the records' harmonics; null when no record can have any.
   [[nodiscard]] const std::shared_ptr<const BrdfHarmonicsSet>& brdfs() const { return brdfs_; }

@@ -9,7 +9,7 @@
 #include "core/run_control.h"
 #include "core/timing.h"
 #include "placement/cache_options.h"
-#include "placement/radiance_cache.h"
+#include "placement/place_records.h"
 #include "transport/scene.h"
 
 namespace vrc {
@@ -37,8 +37,9 @@ struct RenderOptions {
 
 struct RenderStats {
   std::vector<PhaseTime> phases;
-  std::uint64_t records = 0;
-  std::uint64_t gather_rays = 0;  ///< Rays from records to find their surroundings.
+  std::uint64_t records = 0;       ///< In the cache.
+  std::uint64_t records_made = 0;  ///< For this picture.
+  std::uint64_t gather_rays = 0;   ///< Rays from records to find their surroundings.
   std::uint64_t shadow_rays = 0;
   std::uint64_t camera_rays = 0;
   std::uint64_t other_rays = 0;  ///< Bounces of paths.
@@ -51,10 +52,12 @@ struct RenderResult {
   Image image;
   RenderStats stats;
   std::optional<RadianceCache> cache;  ///< With Method::kCache.
+  PictureScale scale;                  ///< Likewise.
 };
 
-/// Same bytes for the same scene, options and seed, at any thread count.
+/// Same bytes for the same scene, options and seed, at any thread count. `earlier` frames of a fly-through
+/// through the same scene leave their records.
 [[nodiscard]] RenderResult render(const Scene& scene, const RenderOptions& options,
-                                  const RunControl& control = {});
+                                  const RunControl& control = {}, const EarlierFrames& earlier = {});
 
 }  // namespace vrc

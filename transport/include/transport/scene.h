@@ -49,7 +49,7 @@ struct SurfacePoint {
 class SurfaceMesh;
 struct Surface;  // a shape's half-edge mesh and curvature
 
-/// Surfaces, lights and the camera, ready to trace. Immutable.
+/// Surfaces, lights and the camera, ready to trace. Immutable but for the camera.
 class Scene {
  public:
   /// Throws InputError when nothing can be rendered (no faces, coordinates too large for tracing).
@@ -59,6 +59,8 @@ class Scene {
   Scene& operator=(const Scene&) = delete;
 
   [[nodiscard]] const Camera& camera() const { return camera_; }
+  /// For the next frame of a fly-through; not while another thread uses the scene.
+  void look_through(const Camera& camera) { camera_ = camera; }
   [[nodiscard]] const FilmDescription& film() const { return film_; }
   [[nodiscard]] const std::vector<Bsdf>& bsdfs() const { return bsdfs_; }
   [[nodiscard]] const Lights& lights() const { return lights_; }
