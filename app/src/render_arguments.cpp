@@ -175,6 +175,13 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
                    {{"auto", HarmonicsRule::kAuto}, {"paper", HarmonicsRule::kPaper}},
                    "Spherical harmonics of a hybrid cache: on small convex objects, or wherever the normal "
                    "turns by more than --max-normal-deviation in a record"));
+  group(add_choice(command, "--sh-rays", cache.harmonics_rays,
+                   {{"auto", HarmonicsRays::kAuto},
+                    {"uniform", HarmonicsRays::kUniform},
+                    {"cosine", HarmonicsRays::kCosine},
+                    {"brdf", HarmonicsRays::kBrdf}},
+                   "Distribution of the rays of spherical harmonics; auto is by the BRDF for one camera, by "
+                   "the cosine for all"));
   group(add_number(command, "--sh-order", cache.harmonics_order, NumberRange<int>{1, sh::kMaxFrameOrder},
                    "Order of spherical harmonics", "by sharpness, 10 to 24"));
   CLI::Option* placement = group(add_choice(

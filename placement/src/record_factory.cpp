@@ -42,6 +42,22 @@ Eigen::MatrixXf channel(const IncidentHarmonics& incident, int c) {
   return incident.coefficients.middleRows(kEntries * c, kEntries).transpose();
 }
 
+/// Towards one camera the lobe matters most; for all of them light that arrives steeply does.
+GatherDirections directions_for(const CacheOptions& options) {
+  switch (options.harmonics_rays) {
+    case HarmonicsRays::kUniform:
+      return GatherDirections::kUniform;
+    case HarmonicsRays::kCosine:
+      return GatherDirections::kCosine;
+    case HarmonicsRays::kBrdf:
+      return GatherDirections::kMixture;
+    case HarmonicsRays::kAuto:
+      break;
+  }
+  return options.strategy == Strategy::kViewDependent ? GatherDirections::kMixture
+                                                      : GatherDirections::kCosine;
+}
+
 constexpr double kLuminance[3] = {0.212671, 0.715160, 0.072169};
 
 /// Luminance of incident radiance in all directions.
@@ -141,9 +157,7 @@ std::shared_ptr<const RecordHarmonics> RecordFactory::gather_harmonics(const Rec
     hits = irradiance.hits;
     return with_radiance(site, as_harmonics(irradiance, site.point.normal));
   }
-  // Towards one camera the lobe matters most; for all directions eq. 7 has uniform rays.
-  options.directions =
-      options_.strategy == Strategy::kViewDependent ? GatherDirections::kMixture : GatherDirections::kUniform;
+  options.directions = directions_for(options_);
   const auto result = with_radiance(site, gatherer_->gather(charts_.scene(), site, options, counts, hits));
   if (options_.strategy == Strategy::kViewIndependent)
     result->all_directions = all_incident(result->incident);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <map>
 #include <string>
 
 #include "core/image_error.h"
@@ -12,15 +13,18 @@
 
 namespace vrc::test {
 
-inline SceneDescription describe_scene(const std::string& name, int width, int height) {
+inline SceneDescription describe_scene(const std::string& name, int width, int height,
+                                       const std::map<std::string, std::string>& defines = {}) {
   SceneReadOptions options;
+  options.defines = defines;
   options.width = width;
   options.height = height;
   return read_scene(std::string(VRC_SOURCE_DIR "/scenes/") + name, options);
 }
 
-inline Scene load_scene(const std::string& name, int width, int height) {
-  return Scene(describe_scene(name, width, height));
+inline Scene load_scene(const std::string& name, int width, int height,
+                        const std::map<std::string, std::string>& defines = {}) {
+  return Scene(describe_scene(name, width, height, defines));
 }
 
 inline RenderOptions options_of(Method method, int samples_per_pixel, std::uint64_t seed = 1,

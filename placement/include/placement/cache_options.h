@@ -31,6 +31,14 @@ enum class Representation {
   kIrradiance  ///< Irradiance with derivatives, on diffuse surfaces.
 };
 
+/// How the rays of spherical harmonics are distributed.
+enum class HarmonicsRays {
+  kAuto,     ///< kBrdf with a view-dependent strategy, kCosine otherwise.
+  kUniform,  ///< Over the hemisphere [Zhao eq. 7].
+  kCosine,
+  kBrdf  ///< As those of radiance: by the cosine and by the lobes towards the camera.
+};
+
 /// Where the derivatives of irradiance come from.
 enum class IrradianceDerivatives {
   kStrata,    ///< Translational gradient from the borders of hemisphere cells [WardHeckbert1992].
@@ -59,6 +67,7 @@ struct CacheOptions {
   Representation representation = Representation::kHybrid;
   HarmonicsRule harmonics_rule = HarmonicsRule::kAuto;
   IrradianceDerivatives irradiance_derivatives = IrradianceDerivatives::kStrata;
+  HarmonicsRays harmonics_rays = HarmonicsRays::kAuto;
   int harmonics_order = 0;  ///< Of spherical harmonics; 0 chooses by the sharpest lobe that they suit.
   bool joint_fit = true;    ///< Refine records by their neighbours' values, weighted by noise.
 };
