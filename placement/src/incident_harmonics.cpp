@@ -151,13 +151,12 @@ IncidentHarmonics HarmonicsGatherer::gather(const Scene& scene, const RecordSite
   });
   if (batch.packets > 0) flush();
   rays.describe_hits(hits);
-  return finish(moments, site, rays.ray_count());
+  return finish(moments, site.frame, followed_shape_operator(site, options), rays.ray_count());
 }
 
-IncidentHarmonics HarmonicsGatherer::finish(const Moments& moments, const RecordSite& site,
+IncidentHarmonics HarmonicsGatherer::finish(const Moments& moments, const Frame& frame, const Mat2& s,
                                             double rays) const {
-  const Vec3 axes[3] = {site.frame.tangent, site.frame.bitangent, site.frame.normal};
-  const Mat2& s = site.point.shape_operator;
+  const Vec3 axes[3] = {frame.tangent, frame.bitangent, frame.normal};
   const int count = sh::coefficient_count(order_);
   Eigen::VectorXd p(count);
   for (int l = 0; l <= order_; ++l) p.segment(l * l, 2 * l + 1).setConstant(l + 1.0);

@@ -134,6 +134,7 @@ void shape_record(RadianceRecord& record, const RegionRule& rule) {
   region.normal_radius = std::min(axes.radius1, axes.radius2);
   region.cos_max_deviation =
       std::cos(record.uses_harmonics() ? kHarmonicsTurn : rule.options->max_normal_deviation);
+  region.normals_count = rule.options->joint_weight;
   set_radiance(record, record.uses_harmonics() ? record.harmonics->radiance : record.estimate.radiance,
                rule.mean_luminance);
 }

@@ -19,7 +19,7 @@ struct PackedRecord {
   Vec3f scaled1, scaled2, scaled_normal;  ///< Axes divided by their radii.
   float radius1, radius2;
   float cos_max_deviation;
-  float inverse_deviation;  ///< 1 / (1 - cos_max_deviation)
+  float inverse_deviation;  ///< Of the region.
   float reach;              ///< Largest radius.
   float value[3], g1[3], g2[3], h11[3], h12[3], h22[3];
   const IncidentHarmonics* harmonics = nullptr;  ///< If the record uses them; what they need beside:
