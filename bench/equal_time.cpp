@@ -7,185 +7,31 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <span>
 
-#include "core/hash.h"
-#include "core/image_error.h"
+#include "bench_support.h"
 #include "core/parallel.h"
 #include "io/atomic_file.h"
-#include "io/image_io.h"
-#include "io/scene_reader.h"
-#include "shading/render.h"
 
-namespace vrc {
+namespace vrc::bench {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr double kReferenceLuminance = 0.5;    // Errors are relative to 0.01 at this mean luminance.
-constexpr std::uint64_t kReferenceFormat = 1;  // Raise when the path tracer's result changes.
-constexpr std::uint64_t kFirstReferenceSeed = 0x5eed0001;  // Far from those of the measured pictures.
-
-struct Settings {
-  std::vector<std::string> scenes = {VRC_SOURCE_DIR "/scenes/half_box.xml",
-                                     VRC_SOURCE_DIR "/scenes/cornell_glossy.xml"};
-  std::vector<std::string> defines;
+struct Settings : PictureSettings {
   std::vector<double> errors;
   std::vector<int> records;
   std::vector<std::string> samplers = {"image"};
-  int width = 512, height = 512;
-  int samples_per_pixel = 16;
-  int reference_samples = 2048;
-  int repeats = 3;
-  int threads = 2;
   int gather_rays = 0;
   bool cache_only = false;
-  std::string reference_dir = VRC_SOURCE_DIR "/build/references";
   std::string json_file;
-};
 
-/// Hashes what a scene description says, so that a reference is used for nothing else.
-class DescriptionHash {
- public:
-  explicit DescriptionHash(const SceneDescription& scene) {
-    for (const ShapeDescription& shape : scene.shapes) add_shape(shape);
-    for (const Material& material : scene.materials) add_material(material);
-    for (const DeltaLight& light : scene.delta_lights) {
-      std::visit([&](const auto& l) { add_light(l); }, light);
-    }
-    add(scene.environment);
-    const Camera& camera = scene.camera;
-    for (const Vec3& v : {camera.origin, camera.right, camera.up, camera.forward}) add(v);
-    add_number(camera.tan_half_width);
-    add_number(camera.width);
-    add_number(camera.height);
-    add_number(static_cast<int>(scene.film.filter));
-    add_number(scene.film.gaussian_stddev);
-  }
-  [[nodiscard]] std::uint64_t value() const { return value_; }
-
-  /// Adds the bit pattern of a number.
-  template <typename T>
-  void add_number(T number) {
-    std::uint64_t bits = 0;
-    static_assert(sizeof(T) <= sizeof(bits) && std::is_arithmetic_v<T>);
-    std::memcpy(&bits, &number, sizeof(T));
-    value_ = hash(value_, bits);
-  }
-
- private:
-  template <typename Vector>
-  void add(const Vector& v) {
-    for (int i = 0; i < 3; ++i) add_number(v[i]);
-  }
-  void add_shape(const ShapeDescription& shape) {
-    for (const Vec3& p : shape.soup.positions) add(p);
-    for (const Vec3& n : shape.soup.normals) add(n);
-    for (const auto* list : {&shape.soup.face_begin, &shape.soup.corner_position, &shape.soup.corner_normal,
-                             &shape.soup.face_material, &shape.materials}) {
-      add_number(list->size());
-      for (const std::uint32_t index : *list) add_number(index);
-    }
-    for (const Rgb& emission : shape.emission) add(emission);
-    add_number(static_cast<int>(shape.face_normals));
-  }
-  void add_material(const Material& material) {
-    add_number(static_cast<int>(material.two_sided));
-    for (const Lobe& lobe : material.lobes) {
-      add_number(lobe.index());
-      std::visit([&](const auto& l) { add_lobe(l); }, lobe);
-    }
-  }
-  void add_lobe(const LambertLobe& lobe) { add(lobe.reflectance); }
-  void add_lobe(const PhongLobe& lobe) {
-    add(lobe.reflectance);
-    add_number(lobe.exponent);
-  }
-  void add_lobe(const GgxLobe& lobe) {
-    for (const Rgb& c : {lobe.reflectance, lobe.eta, lobe.k}) add(c);
-    add_number(lobe.alpha);
-    add_number(static_cast<int>(lobe.has_fresnel));
-  }
-  void add_light(const PointLight& light) {
-    add(light.position);
-    add(light.intensity);
-  }
-  void add_light(const DirectionalLight& light) {
-    add(light.direction);
-    add(light.irradiance);
-  }
-
-  std::uint64_t value_ = kReferenceFormat;
-};
-
-Image rgb_of(const Image& image) {
-  Image result(image.width, image.height, {"R", "G", "B"});
-  for (std::size_t p = 0; p < image.pixel_count(); ++p) {
-    std::copy_n(image.pixels.data() + p * image.channels.size(), 3, result.pixels.data() + 3 * p);
-  }
-  return result;
-}
-
-/// Indirect light of one bounce.
-RenderOptions indirect_light(Method method, int samples_per_pixel, std::uint64_t seed) {
-  RenderOptions options;
-  options.method = method;
-  options.only = Component::kIndirect;
-  options.bounces = 1;
-  options.samples_per_pixel = samples_per_pixel;
-  options.seed = seed;
-  return options;
-}
-
-/// Two references of independent noise, scaled to a mean luminance of one half.
-struct References {
-  std::array<Image, 2> halves;
-  float scale = 1.0f;  ///< That the halves were multiplied by, and pictures must be.
-
-  [[nodiscard]] double error_of(const Image& image) const {
-    Image scaled = rgb_of(image);
-    for (float& v : scaled.pixels) v *= scale;
-    return two_half_relmse(scaled, halves[0], halves[1]);
+  Settings() {
+    scenes = {VRC_SOURCE_DIR "/scenes/half_box.xml", VRC_SOURCE_DIR "/scenes/cornell_glossy.xml"};
   }
 };
-
-Image reference_half(const Scene& scene, const fs::path& file, int samples, std::uint64_t seed) {
-  if (fs::exists(file)) return read_image(file);
-  fmt::print(stderr, "rendering the reference {}\n", file.string());
-  Image image = rgb_of(render(scene, indirect_light(Method::kPath, samples, seed)).image);
-  write_exr(file, image);
-  return image;
-}
-
-References make_references(const Scene& scene, const SceneDescription& description, const std::string& name,
-                           const Settings& settings) {
-  fs::create_directories(settings.reference_dir);
-  References references;
-  double sum = 0.0;
-  for (std::size_t half = 0; half < 2; ++half) {
-    DescriptionHash key(description);
-    key.add_number(settings.reference_samples);
-    const std::string file = fmt::format("{}_{}x{}_{}spp_{:016x}_{}.exr", name, settings.width,
-                                         settings.height, settings.reference_samples, key.value(), half + 1);
-    references.halves[half] = reference_half(scene, fs::path(settings.reference_dir) / file,
-                                             settings.reference_samples, kFirstReferenceSeed + half);
-    const Image& image = references.halves[half];
-    for (std::size_t p = 0; p < image.pixel_count(); ++p) {
-      sum += static_cast<double>(luminance(std::span(image.pixels).subspan(3 * p, 3)));
-    }
-  }
-  const double mean = sum / (2.0 * static_cast<double>(references.halves[0].pixel_count()));
-  if (!(mean > 0.0)) throw InputError(description.source, 0, "has no indirect light to compare");
-  references.scale = static_cast<float>(kReferenceLuminance / mean);
-  for (Image& image : references.halves) {
-    for (float& v : image.pixels) v *= references.scale;
-  }
-  return references;
-}
 
 struct Measurement {
   double cpu_seconds = 0.0;
@@ -201,12 +47,6 @@ Measurement measure(const Scene& scene, const RenderOptions& options, const Refe
   result.relmse = references.error_of(rendered.image);
   result.stats = rendered.stats;
   return result;
-}
-
-double median(std::vector<double> values) {
-  std::ranges::sort(values);
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
 /// Medians over the repeats; the values of all repeats go to the JSON file.
@@ -310,18 +150,9 @@ json compare(const Scene& scene, const References& references, const CacheSettin
 }
 
 json run_scene(const std::string& file, const Settings& settings) {
-  SceneReadOptions read;
-  read.width = settings.width;
-  read.height = settings.height;
-  for (const std::string& define : settings.defines) {
-    const std::size_t equals = define.find('=');
-    if (equals == 0 || equals == std::string::npos)
-      throw InputError(define, 0, "is not of the form NAME=VALUE");
-    read.defines[define.substr(0, equals)] = define.substr(equals + 1);
-  }
-  const SceneDescription description = read_scene(file, read);
+  const SceneDescription description = read_scene_for(file, settings);
   const Scene scene(description);
-  const References references = make_references(scene, description, fs::path(file).stem().string(), settings);
+  const References references = make_references(scene, description, file, settings);
 
   fmt::print("\n{}, {}x{}, {} samples a pixel\n", fs::path(file).filename().string(), settings.width,
              settings.height, settings.samples_per_pixel);
@@ -337,34 +168,13 @@ json run_scene(const std::string& file, const Settings& settings) {
 }
 
 void declare_options(CLI::App& app, Settings& settings) {
-  app.add_option("scenes", settings.scenes, "Scene files")->capture_default_str();
-  app.add_option("-D,--define", settings.defines, "NAME=VALUE: a parameter of the scene files")
-      ->allow_extra_args(false);
+  declare_picture_options(app, settings);
   app.add_option("--error", settings.errors, "Error thresholds of the cache")->check(CLI::PositiveNumber);
   app.add_option("--records", settings.records, "Numbers of records")->check(CLI::PositiveNumber);
   app.add_option("--sampler", settings.samplers, "image, surface or both")
       ->check(CLI::IsMember({"image", "surface"}));
   app.add_option("--gather-rays", settings.gather_rays, "Rays of a record; 0 chooses by sharpness")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--width", settings.width, "Film width")->check(CLI::PositiveNumber)->capture_default_str();
-  app.add_option("--height", settings.height, "Film height")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--spp", settings.samples_per_pixel, "Samples a pixel of the cache's picture")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--reference-spp", settings.reference_samples,
-                 "Samples a pixel of each of the two references")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--reference-dir", settings.reference_dir, "Folder of the references")
-      ->capture_default_str();
-  app.add_option("--repeats", settings.repeats, "Seeds to take medians over")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--threads", settings.threads, "Worker threads")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
   app.add_option_function<std::string>(
          "--method-only", [&](const std::string&) { settings.cache_only = true; }, "Leave out path tracing")
       ->check(CLI::IsMember({"cache"}));
@@ -372,10 +182,11 @@ void declare_options(CLI::App& app, Settings& settings) {
 }
 
 }  // namespace
-}  // namespace vrc
+}  // namespace vrc::bench
 
 int main(int argc, char** argv) {
   using namespace vrc;
+  using namespace vrc::bench;
   Settings settings;
   CLI::App app("Radiance cache against path tracing at equal CPU time");
   declare_options(app, settings);

@@ -61,6 +61,10 @@ RecordSite make_site(const Scene& scene, const SurfacePoint& point, std::uint64_
   return site;
 }
 
+Mat2 followed_shape_operator(const RecordSite& site, const GatherOptions& options) {
+  return options.total_derivative ? site.point.shape_operator : Mat2::Zero();
+}
+
 RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site, const GatherOptions& options,
                                  RayCounts& counts) {
   GatherRays rays(scene, site, options, counts);

@@ -56,7 +56,7 @@ GatherRays::GatherRays(const Scene& scene, const RecordSite& site, const GatherO
   frame_.bitangent = site.frame.bitangent.cast<float>();
   frame_.normal = site.frame.normal.cast<float>();
   frame_.to_camera = site.to_camera.cast<float>();
-  frame_.shape_operator = site.point.shape_operator.cast<float>();
+  frame_.shape_operator = followed_shape_operator(site, options).cast<float>();
   normal_ = splat3(frame_.normal);
   geometric_normal_ = splat3(site.point.geometric_normal);
   to_camera_ = splat3(Vec3(site.to_camera.normalized()));

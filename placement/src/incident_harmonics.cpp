@@ -117,15 +117,14 @@ IncidentHarmonics HarmonicsGatherer::gather(const Scene& scene, const RecordSite
   });
   if (batch.packets > 0) flush();
   rays.describe_hits(hits);
-  return finish(moments, site, rays.ray_count());
+  return finish(moments, site.frame, followed_shape_operator(site, options), rays.ray_count());
 }
 
-IncidentHarmonics HarmonicsGatherer::finish(const Moments& moments, const RecordSite& site,
+IncidentHarmonics HarmonicsGatherer::finish(const Moments& moments, const Frame& frame, const Mat2& s,
                                             double rays) const {
-  const Mat2& s = site.point.shape_operator;
   const int count = sh::coefficient_count(order_);
   Mat3 axes;  // rows
-  axes << site.frame.tangent.transpose(), site.frame.bitangent.transpose(), site.frame.normal.transpose();
+  axes << frame.tangent.transpose(), frame.bitangent.transpose(), frame.normal.transpose();
 
   // Along an axis of the record's frame, from those of the world.
   const auto along = [&](int axis, const Eigen::MatrixXd(&world)[3]) -> Eigen::MatrixXd {

@@ -39,6 +39,7 @@ class Placement {
                                                    : film_points(*charts_, view, result_.counts.camera)) {
     gather_.bounces = bounces;
     gather_.glossy_glossy = options.glossy_glossy;
+    gather_.total_derivative = options.total_derivative;
     gather_.seed = seed;
     rule_.options = &options_;
     rule_.picture_width = std::max(scene.camera().width, scene.camera().height);

@@ -19,7 +19,7 @@ PackedRecord pack(const RadianceRecord& record) {
   p.radius2 = static_cast<float>(r.radius2);
   p.cos_max_deviation = static_cast<float>(r.cos_max_deviation);
   p.split_sphere = r.split_sphere;
-  p.inverse_deviation = static_cast<float>(1.0 / std::max(1.0 - r.cos_max_deviation, 1e-12));
+  p.inverse_deviation = static_cast<float>(r.inverse_deviation());
   p.reach = std::max(p.radius1, p.radius2);
   // Derivatives per unit of (a, b), the offsets divided by the radii: they have radiance's unit.
   const auto in_frame = [&](const Vec3& axis, double radius) -> Vec2 {

@@ -147,6 +147,7 @@ void shape_record(RadianceRecord& record, const RegionRule& rule) {
   region.cos_max_deviation =
       split_sphere ? 1.0 - std::min(0.5, share * share)
                    : std::cos(record.uses_harmonics() ? kHarmonicsTurn : rule.options->max_normal_deviation);
+  region.normals_count = rule.options->joint_weight;
   set_radiance(record, record.uses_harmonics() ? record.harmonics->radiance : record.estimate.radiance,
                rule.mean_luminance);
 }

@@ -57,6 +57,7 @@ TEST(CommandLine, RenderHelpListsEveryOption) {
                              "--gather-rays",
                              "--taylor-order",
                              "--no-glossy-glossy",
+                             "--flat-derivatives",
                              "--placement",
                              "--max-normal-deviation",
                              "--record-map",

@@ -123,6 +123,14 @@ TEST(RadianceDerivatives, FollowTheNormalOnCurvedSurfaces) {
     EXPECT_GT(curved[i].point.shape_operator.norm(), 1.0) << "not on the pillar";
     truth.push_back(reference_derivatives(scene, curved[i], kCurvedStep));
     flat[i].point.shape_operator.setZero();
+    RayCounts counts;
+    GatherOptions tangent_plane;
+    tangent_plane.log2_rays = 10;
+    const Jet2 without_operator = gather_radiance(scene, flat[i], tangent_plane, counts).luminance;
+    tangent_plane.total_derivative = false;
+    const Jet2 by_option = gather_radiance(scene, curved[i], tangent_plane, counts).luminance;
+    EXPECT_EQ(by_option.gradient, without_operator.gradient);
+    EXPECT_EQ(by_option.hessian, without_operator.hessian);
   }
   const RelativeError with = relative_error(scene, curved, truth, true);
   EXPECT_LT(with.gradient, 0.05);

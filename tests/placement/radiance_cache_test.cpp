@@ -30,6 +30,7 @@ RadianceRecord random_record(test::SeededBits& bits) {
   r.radius2 = r.radius1 * (0.2 + 0.8 * bits.uniform());
   r.normal_radius = r.radius2;
   r.cos_max_deviation = std::cos(0.1);
+  r.normals_count = bits.uniform() < 0.8;
   for (Jet2& j : record.radiance) {
     j.value = bits.uniform();
     j.gradient = {20.0 * bits.uniform() - 10.0, 20.0 * bits.uniform() - 10.0};

@@ -131,6 +131,16 @@ TEST(Weight, FollowsEquations14And15WithTheAngleInTheDistance) {
   EXPECT_NEAR(weight(r, x, n, 2.0), (1.0 - wide * kr) * std::pow(kr, 16), 1e-12);
 }
 
+TEST(Weight, IsThatOfThePaperWhereNormalsDoNotCount) {
+  ValidRegion r = tilted_region();
+  r.normals_count = false;
+  const Vec3 x = r.center + 0.2 * r.axis1, n = std::cos(0.06) * r.normal + std::sin(0.06) * r.axis1;
+  EXPECT_NEAR(joint_distance(r, x, n), 0.5, 1e-12);
+  const double kr = std::cos(0.06);
+  EXPECT_NEAR(weight(r, x, n), (1.0 - 0.5 * kr) * std::pow(kr, 16), 1e-12);
+  EXPECT_EQ(weight(r, x, std::cos(0.11) * r.normal + std::sin(0.11) * r.axis1), 0.0);
+}
+
 TEST(Weight, IsZeroOutsideTheEllipsoidAndBeyondTheLargestAngle) {
   const ValidRegion r = tilted_region();
   EXPECT_EQ(weight(r, r.center, r.normal), 1.0);

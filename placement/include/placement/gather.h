@@ -30,12 +30,16 @@ enum class GatherDirections {
 };
 
 struct GatherOptions {
-  int log2_rays = 12;         ///< 2^k rays, k >= 10.
-  int bounces = 1;            ///< Of indirect light, as PathOptions::bounces; not 0.
-  bool glossy_glossy = true;  ///< Derivative of the radiance that glossy surfaces send to the record.
+  int log2_rays = 12;            ///< 2^k rays, k >= 10.
+  int bounces = 1;               ///< Of indirect light, as PathOptions::bounces; not 0.
+  bool glossy_glossy = true;     ///< Derivative of the radiance that glossy surfaces send to the record.
+  bool total_derivative = true;  ///< Along the bending surface; false: along its tangent plane.
   GatherDirections directions = GatherDirections::kMixture;
   std::uint64_t seed = 0;
 };
+
+/// The shape operator of the surface along which a gather differentiates.
+[[nodiscard]] Mat2 followed_shape_operator(const RecordSite& site, const GatherOptions& options);
 
 /// How far the surroundings of a gather are.
 struct HitDistances {

@@ -17,7 +17,7 @@ struct IncidentHarmonics {
   static constexpr int kEntries = 6;  ///< Per channel: value, d1, d2, d11, d12, d22.
   /// Column j belongs to coefficient j in world axes; row kEntries c + k to entry k of channel c.
   /// Derivatives are along the tangent and bitangent of the record's frame, the surface bending away
-  /// from them as its shape operator says.
+  /// from them as `followed_shape_operator` says.
   Eigen::Matrix<float, 3 * kEntries, Eigen::Dynamic> coefficients;
 
   [[nodiscard]] int count() const { return static_cast<int>(coefficients.cols()); }
@@ -41,7 +41,9 @@ class HarmonicsGatherer {
 
  private:
   struct Moments;
-  [[nodiscard]] IncidentHarmonics finish(const Moments& moments, const RecordSite& site, double rays) const;
+  /// `s`: the shape operator in the record's frame.
+  [[nodiscard]] IncidentHarmonics finish(const Moments& moments, const Frame& frame, const Mat2& s,
+                                         double rays) const;
 
   int order_;
   sh::Basis basis_;                       ///< Of order + 2.

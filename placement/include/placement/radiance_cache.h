@@ -20,7 +20,7 @@ struct PackedRecord {
   float radius1, radius2;
   float cos_max_deviation;
   bool split_sphere;
-  float inverse_deviation;  ///< 1 / (1 - cos_max_deviation)
+  float inverse_deviation;  ///< Of the region.
   float reach;              ///< Largest radius.
   float value[3], g1[3], g2[3], h11[3], h12[3], h22[3];
   const IncidentHarmonics* harmonics = nullptr;  ///< If the record uses them; what they need beside:

@@ -18,6 +18,12 @@ struct ValidRegion {
   double normal_radius = 0.0;
   double cos_max_deviation = 0.0;  ///< Cosine of theta_max.
   bool split_sphere = false;       ///< Weighted as irradiance caching does instead of eq. 14.
+  bool normals_count = true;       ///< In the distance k; false: it is k_t.
+
+  /// What the turn 1 - cos of the normals adds to k^2 is multiplied by.
+  [[nodiscard]] double inverse_deviation() const {
+    return normals_count ? 1.0 / std::max(1.0 - cos_max_deviation, 1e-12) : 0.0;
+  }
 };
 
 /// Translation weight k_t of [Zhao eq. 15]; 1 on the ellipsoid.
@@ -29,13 +35,12 @@ struct ValidRegion {
   return std::sqrt(a * a + b * b + c * c);
 }
 
-/// Distance k in position and orientation together: k^2 = k_t^2 + (angle of the normals / theta_max)^2.
-/// On a plane it is k_t. 2 (1 - cos) stands for the squared angle.
+/// Distance k in position and orientation together: k^2 = k_t^2 + (angle of the normals / theta_max)^2,
+/// unless the region says k_t. On a plane it is k_t. 2 (1 - cos) stands for the squared angle.
 [[nodiscard]] inline double joint_distance(const ValidRegion& region, const Vec3& x, const Vec3& n,
                                            double support = 1.0) {
   const double kt = translation_distance(region, x) / support;
-  return std::sqrt(kt * kt + std::max(0.0, 1.0 - region.normal.dot(n)) /
-                                 std::max(1.0 - region.cos_max_deviation, 1e-12));
+  return std::sqrt(kt * kt + std::max(0.0, 1.0 - region.normal.dot(n)) * region.inverse_deviation());
 }
 
 /// Below it the weight of a split sphere stays finite.

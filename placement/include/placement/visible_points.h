@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -80,16 +81,19 @@ void VisiblePoints::for_each_within(const ValidRegion& region, const SurfaceReac
   const Vec3f a = (region.axis1 / region.radius1).cast<float>(),
               b = (region.axis2 / region.radius2).cast<float>(),
               c = (region.normal / region.normal_radius).cast<float>();
-  const auto inverse_deviation = static_cast<float>(1.0 / std::max(1.0 - region.cos_max_deviation, 1e-12));
+  const auto inverse_deviation = static_cast<float>(region.inverse_deviation());
+  // Where normals do not count in the distance, they only must not turn by more than theta_max.
+  const auto most_turn = region.normals_count ? std::numeric_limits<float>::infinity()
+                                              : static_cast<float>(1.0 - region.cos_max_deviation);
   const auto limit = static_cast<float>(support * support);
   for (const PatchBox& box : reach.boxes) {
     grid_.for_each_near(box, [&](std::uint32_t i) {
       const Point& p = points_[i];
       const Vec3f d = p.position - center;
       const float ka = d.dot(a), kb = d.dot(b), kc = d.dot(c);
-      const float turn = std::max(0.0f, 1.0f - p.normal.dot(normal)) * inverse_deviation;
-      const float k2 = ka * ka + kb * kb + kc * kc + turn;
-      if (k2 < limit && reach.contains(p.triangle)) body(i, ka, kb, k2);
+      const float turn = std::max(0.0f, 1.0f - p.normal.dot(normal));
+      const float k2 = ka * ka + kb * kb + kc * kc + turn * inverse_deviation;
+      if (k2 < limit && turn <= most_turn && reach.contains(p.triangle)) body(i, ka, kb, k2);
     });
   }
 }

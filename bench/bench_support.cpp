@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bench_support.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <span>
+
+#include "core/error.h"
+#include "core/hash.h"
+#include "core/image_error.h"
+#include "io/image_io.h"
+#include "io/scene_reader.h"
+
+namespace vrc::bench {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr double kReferenceLuminance = 0.5;    // Errors are relative to 0.01 at this mean luminance.
+constexpr std::uint64_t kReferenceFormat = 1;  // Raise when the path tracer's result changes.
+constexpr std::uint64_t kFirstReferenceSeed = 0x5eed0001;  // Far from those of the measured pictures.
+
+/// Hashes what a scene description says, so that a reference is used for nothing else.
+class DescriptionHash {
+ public:
+  explicit DescriptionHash(const SceneDescription& scene) {
+    for (const ShapeDescription& shape : scene.shapes) add_shape(shape);
+    for (const Material& material : scene.materials) add_material(material);
+    for (const DeltaLight& light : scene.delta_lights) {
+      std::visit([&](const auto& l) { add_light(l); }, light);
+    }
+    add(scene.environment);
+    const Camera& camera = scene.camera;
+    for (const Vec3& v : {camera.origin, camera.right, camera.up, camera.forward}) add(v);
+    add_number(camera.tan_half_width);
+    add_number(camera.width);
+    add_number(camera.height);
+    add_number(static_cast<int>(scene.film.filter));
+    add_number(scene.film.gaussian_stddev);
+  }
+  [[nodiscard]] std::uint64_t value() const { return value_; }
+
+  /// Adds the bit pattern of a number.
+  template <typename T>
+  void add_number(T number) {
+    std::uint64_t bits = 0;
+    static_assert(sizeof(T) <= sizeof(bits) && std::is_arithmetic_v<T>);
+    std::memcpy(&bits, &number, sizeof(T));
+    value_ = hash(value_, bits);
+  }
+
+ private:
+  template <typename Vector>
+  void add(const Vector& v) {
+    for (int i = 0; i < 3; ++i) add_number(v[i]);
+  }
+  void add_shape(const ShapeDescription& shape) {
+    for (const Vec3& p : shape.soup.positions) add(p);
+    for (const Vec3& n : shape.soup.normals) add(n);
+    for (const auto* list : {&shape.soup.face_begin, &shape.soup.corner_position, &shape.soup.corner_normal,
+                             &shape.soup.face_material, &shape.materials}) {
+      add_number(list->size());
+      for (const std::uint32_t index : *list) add_number(index);
+    }
+    for (const Rgb& emission : shape.emission) add(emission);
+    add_number(static_cast<int>(shape.face_normals));
+  }
+  void add_material(const Material& material) {
+    add_number(static_cast<int>(material.two_sided));
+    for (const Lobe& lobe : material.lobes) {
+      add_number(lobe.index());
+      std::visit([&](const auto& l) { add_lobe(l); }, lobe);
+    }
+  }
+  void add_lobe(const LambertLobe& lobe) { add(lobe.reflectance); }
+  void add_lobe(const PhongLobe& lobe) {
+    add(lobe.reflectance);
+    add_number(lobe.exponent);
+  }
+  void add_lobe(const GgxLobe& lobe) {
+    for (const Rgb& c : {lobe.reflectance, lobe.eta, lobe.k}) add(c);
+    add_number(lobe.alpha);
+    add_number(static_cast<int>(lobe.has_fresnel));
+  }
+  void add_light(const PointLight& light) {
+    add(light.position);
+    add(light.intensity);
+  }
+  void add_light(const DirectionalLight& light) {
+    add(light.direction);
+    add(light.irradiance);
+  }
+
+  std::uint64_t value_ = kReferenceFormat;
+};
+
+Image rgb_of(const Image& image) {
+  Image result(image.width, image.height, {"R", "G", "B"});
+  for (std::size_t p = 0; p < image.pixel_count(); ++p) {
+    std::copy_n(image.pixels.data() + p * image.channels.size(), 3, result.pixels.data() + 3 * p);
+  }
+  return result;
+}
+
+Image scaled(Image image, float scale) {
+  for (float& v : image.pixels) v *= scale;
+  return image;
+}
+
+/// The chosen pixels in one row.
+Image selected(const Image& image, const PixelMask& mask) {
+  Image result(static_cast<int>(std::ranges::count(mask, true)), 1, image.channels);
+  auto out = result.pixels.begin();
+  const std::size_t channels = image.channels.size();
+  for (std::size_t p = 0; p < image.pixel_count(); ++p) {
+    if (mask[p]) out = std::copy_n(image.pixels.data() + p * channels, channels, out);
+  }
+  return result;
+}
+
+Image reference_half(const Scene& scene, const fs::path& file, int samples, std::uint64_t seed) {
+  if (fs::exists(file)) return read_image(file);
+  fmt::print(stderr, "rendering the reference {}\n", file.string());
+  Image image = rgb_of(render(scene, indirect_light(Method::kPath, samples, seed)).image);
+  write_exr(file, image);
+  return image;
+}
+
+}  // namespace
+
+void declare_picture_options(CLI::App& app, PictureSettings& settings) {
+  const auto add = [&](const char* name, auto& target, const char* help) {
+    app.add_option(name, target, help)->check(CLI::PositiveNumber)->capture_default_str();
+  };
+  app.add_option("scenes", settings.scenes, "Scene files")->capture_default_str();
+  app.add_option("-D,--define", settings.defines, "NAME=VALUE: a parameter of the scene files")
+      ->allow_extra_args(false);
+  add("--width", settings.width, "Film width");
+  add("--height", settings.height, "Film height");
+  add("--spp", settings.samples_per_pixel, "Samples a pixel of the cache's picture");
+  add("--reference-spp", settings.reference_samples, "Samples a pixel of each of the two references");
+  app.add_option("--reference-dir", settings.reference_dir, "Folder of the references")
+      ->capture_default_str();
+  add("--repeats", settings.repeats, "Seeds to take medians over");
+  add("--threads", settings.threads, "Worker threads");
+}
+
+SceneDescription read_scene_for(const std::string& file, const PictureSettings& settings) {
+  SceneReadOptions read;
+  read.width = settings.width;
+  read.height = settings.height;
+  for (const std::string& define : settings.defines) {
+    const std::size_t equals = define.find('=');
+    if (equals == 0 || equals == std::string::npos)
+      throw InputError(define, 0, "is not of the form NAME=VALUE");
+    read.defines[define.substr(0, equals)] = define.substr(equals + 1);
+  }
+  return read_scene(file, read);
+}
+
+RenderOptions indirect_light(Method method, int samples_per_pixel, std::uint64_t seed) {
+  RenderOptions options;
+  options.method = method;
+  options.only = Component::kIndirect;
+  options.bounces = 1;
+  options.samples_per_pixel = samples_per_pixel;
+  options.seed = seed;
+  return options;
+}
+
+double References::error_of(const Image& image) const {
+  return two_half_relmse(scaled(rgb_of(image), scale), halves[0], halves[1]);
+}
+
+double References::error_of(const Image& image, const PixelMask& mask) const {
+  return two_half_relmse(selected(scaled(rgb_of(image), scale), mask), selected(halves[0], mask),
+                         selected(halves[1], mask));
+}
+
+References make_references(const Scene& scene, const SceneDescription& description, const std::string& file,
+                           const PictureSettings& settings) {
+  fs::create_directories(settings.reference_dir);
+  References references;
+  double sum = 0.0;
+  for (std::size_t half = 0; half < 2; ++half) {
+    DescriptionHash key(description);
+    key.add_number(settings.reference_samples);
+    const std::string name =
+        fmt::format("{}_{}x{}_{}spp_{:016x}_{}.exr", fs::path(file).stem().string(), settings.width,
+                    settings.height, settings.reference_samples, key.value(), half + 1);
+    references.halves[half] = reference_half(scene, fs::path(settings.reference_dir) / name,
+                                             settings.reference_samples, kFirstReferenceSeed + half);
+    const Image& image = references.halves[half];
+    for (std::size_t p = 0; p < image.pixel_count(); ++p) {
+      sum += static_cast<double>(luminance(std::span(image.pixels).subspan(3 * p, 3)));
+    }
+  }
+  const double mean = sum / (2.0 * static_cast<double>(references.halves[0].pixel_count()));
+  if (!(mean > 0.0)) throw InputError(description.source, 0, "has no indirect light to compare");
+  references.scale = static_cast<float>(kReferenceLuminance / mean);
+  for (Image& image : references.halves) image = scaled(std::move(image), references.scale);
+  return references;
+}
+
+double median(std::vector<double> values) {
+  std::ranges::sort(values);
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+}  // namespace vrc::bench

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/image.h"
+#include "shading/render.h"
+#include "transport/scene_description.h"
+
+namespace CLI {
+class App;
+}
+
+/// What the benchmarks that measure the error of pictures share.
+namespace vrc::bench {
+
+struct PictureSettings {
+  std::vector<std::string> scenes;
+  std::vector<std::string> defines;  ///< NAME=VALUE
+  int width = 512, height = 512;
+  int samples_per_pixel = 16;
+  int reference_samples = 2048;  ///< Of each of the two references.
+  std::string reference_dir = VRC_SOURCE_DIR "/build/references";
+  int repeats = 3;  ///< Seeds to take medians over.
+  int threads = 2;
+};
+
+void declare_picture_options(CLI::App& app, PictureSettings& settings);
+
+[[nodiscard]] SceneDescription read_scene_for(const std::string& file, const PictureSettings& settings);
+
+/// Indirect light of one bounce.
+[[nodiscard]] RenderOptions indirect_light(Method method, int samples_per_pixel, std::uint64_t seed);
+
+/// Pixels that an error is measured over, row by row.
+using PixelMask = std::vector<bool>;
+
+/// Two references of independent noise, scaled to a mean luminance of one half.
+struct References {
+  std::array<Image, 2> halves;
+  float scale = 1.0f;  ///< That the halves were multiplied by, and pictures must be.
+
+  [[nodiscard]] double error_of(const Image& image) const;
+  [[nodiscard]] double error_of(const Image& image, const PixelMask& mask) const;
+};
+
+/// By path tracing; kept in files from run to run.
+[[nodiscard]] References make_references(const Scene& scene, const SceneDescription& description,
+                                         const std::string& file, const PictureSettings& settings);
+
+[[nodiscard]] double median(std::vector<double> values);
+
+}  // namespace vrc::bench
