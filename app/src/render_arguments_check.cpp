@@ -61,18 +61,6 @@ void check_outputs(const RenderArguments& arguments) {
   }
 }
 
-void check_inputs(const RenderArguments& arguments) {
-  const SceneReadOptions& scene = arguments.scene_options;
-  if ((scene.camera_origin || scene.camera_target || scene.fov_degrees) &&
-      lower_extension(arguments.scene) == ".xml") {
-    throw InputError(
-        "--camera-origin, --camera-target and --fov are for bare meshes; edit the <sensor> of the scene, or "
-        "use -D with a parameter of it");
-  }
-  std::error_code error;
-  if (!fs::exists(arguments.scene, error)) throw InputError(arguments.scene.string(), 0, "no such file");
-}
-
 }  // namespace
 
 void check_render_arguments(const RenderArguments& arguments) {
@@ -81,7 +69,7 @@ void check_render_arguments(const RenderArguments& arguments) {
   if (wants_records && arguments.render.method != Method::kCache) {
     throw InputError("--record-map, --record-ellipses and --record-overlay need --method cache");
   }
-  check_inputs(arguments);
+  check_scene_arguments(arguments);
   check_outputs(arguments);
 }
 
@@ -89,7 +77,7 @@ void check_records_arguments(const RenderArguments& arguments) {
   if (arguments.record_maps.empty() && !arguments.record_ellipses && !arguments.record_overlay) {
     throw InputError("give a file to write: -o for a record map, --ellipses or --overlay");
   }
-  check_inputs(arguments);
+  check_scene_arguments(arguments);
   check_outputs(arguments);
 }
 

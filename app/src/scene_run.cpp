@@ -15,26 +15,6 @@
 namespace vrc {
 namespace {
 
-double steady_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-void print_messages(const SceneDescription& scene, bool quiet) {
-  for (const std::string& warning : scene.warnings) std::cerr << "warning: " << warning << "\n";
-  if (quiet) return;
-  for (const std::string& note : scene.notes) std::cerr << "note: " << note << "\n";
-}
-
-RenderResult render_with_progress(const Scene& scene, const RenderOptions& options, bool quiet,
-                                  const std::atomic<bool>& stop) {
-  ProgressDisplay display(std::cerr, quiet ? ProgressStyle::kNone : progress_style_of_stderr(),
-                          steady_seconds, terminal_columns());
-  RunControl control;
-  control.progress = [&display](const ProgressUpdate& update) { display.update(update); };
-  control.stop = &stop;
-  return render(scene, options, control);
-}
-
 /// Without a cache, the picture alone.
 void write_overlay(const std::filesystem::path& path, const RenderResult& result, double exposure) {
   if (!result.cache) return write_png(path, result.image, exposure);
@@ -45,6 +25,19 @@ void write_overlay(const std::filesystem::path& path, const RenderResult& result
 
 }  // namespace
 
+void with_progress(bool quiet, const std::atomic<bool>& stop,
+                   const std::function<void(const RunControl&)>& work) {
+  const auto steady_seconds = [] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  };
+  ProgressDisplay display(std::cerr, quiet ? ProgressStyle::kNone : progress_style_of_stderr(),
+                          steady_seconds, terminal_columns());
+  RunControl control;
+  control.progress = [&display](const ProgressUpdate& update) { display.update(update); };
+  control.stop = &stop;
+  work(control);
+}
+
 SceneRun run_scene(const RenderArguments& arguments, const std::string& command_line,
                    const std::atomic<bool>& stop, const std::function<void(const SceneDescription&)>& check) {
   SceneRun run;
@@ -54,10 +47,7 @@ SceneRun run_scene(const RenderArguments& arguments, const std::string& command_
   report.threads = set_thread_count(arguments.threads);
 
   const PhaseTimer reading("read scene");
-  SceneDescription description = read_scene(arguments.scene, arguments.scene_options);
-  description.crease_angle = arguments.crease_angle;
-  description.curvature = arguments.curvature;
-  print_messages(description, arguments.quiet);
+  const SceneDescription description = read_scene_of(arguments);
   report.options = render_options_for(arguments, description);
   report.width = description.camera.width;
   report.height = description.camera.height;
@@ -69,7 +59,8 @@ SceneRun run_scene(const RenderArguments& arguments, const std::string& command_
   if (stop) throw Interrupted();
 
   const PhaseTimer rendering("render");
-  run.result = render_with_progress(*run.scene, report.options, arguments.quiet, stop);
+  with_progress(arguments.quiet, stop,
+                [&](const RunControl& control) { run.result = render(*run.scene, report.options, control); });
   report.render_seconds = rendering.elapsed().seconds;
   report.stats = run.result.stats;
   if (run.result.cache) report.classes = count_classes(run.result.cache->records());

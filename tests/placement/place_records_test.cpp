@@ -145,8 +145,7 @@ std::vector<double> neighbour_distances(std::span<const RadianceRecord> records)
 TEST(PlaceRecords, SurfaceSamplerKeepsNeighboursApartInTheirOwnMetric) {
   const Picture picture("glossy_pair.xml", 128);
   const std::vector<double> image = neighbour_distances(picture.place(cheap(0)).records);
-  const std::vector<double> surface =
-      neighbour_distances(picture.place(cheap(0, Sampler::kSurface)).records);
+  const std::vector<double> surface = neighbour_distances(picture.place(cheap(0, Sampler::kSurface)).records);
   EXPECT_GT(surface[surface.size() / 4], image[image.size() / 4]);
   EXPECT_GT(surface[surface.size() / 10], 0.5);
   EXPECT_LT(surface.size(), image.size());

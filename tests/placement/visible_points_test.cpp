@@ -69,8 +69,7 @@ TEST(PixelCentres, SeeEveryReflectingPixelOnceFromCoarseToFine) {
 TEST(PixelCentres, HaveKeysOfTheFilmNotOfTheWindow) {
   const SeenScene all("half_box.xml", 32, 32, {0, 0, 32, 32}), part("half_box.xml", 32, 32, {8, 4, 30, 20});
   std::map<std::uint64_t, Vec3> positions;
-  for (std::size_t i = 0; i < all.points.size(); ++i)
-    positions[all.points.key(i)] = all.points.position(i);
+  for (std::size_t i = 0; i < all.points.size(); ++i) positions[all.points.key(i)] = all.points.position(i);
   EXPECT_EQ(positions.size(), all.points.size());
   for (std::size_t i = 0; i < part.points.size(); ++i) {
     ASSERT_TRUE(positions.contains(part.points.key(i)));
@@ -86,7 +85,9 @@ TEST(FilmPoints, AreSpreadOverTheWindowAndItsBeginnings) {
     for (std::size_t i = 0; i < count; ++i) {
       const Vec2 at = on_film(s.scene.camera(), s.points.position(i)) - Vec2(16, 32);
       ASSERT_TRUE(at.minCoeff() > -1e-3 && at.maxCoeff() < 96.001);
-      const auto block = [](double x) { return std::min(static_cast<std::size_t>(x / 24.0), std::size_t{3}); };
+      const auto block = [](double x) {
+        return std::min(static_cast<std::size_t>(x / 24.0), std::size_t{3});
+      };
       ++in_block[4 * block(at.y()) + block(at.x())];
     }
     const double share = static_cast<double>(count) / 16.0;
@@ -124,7 +125,8 @@ void expect_cover_as_by_brute_force(const std::string& scene_name) {
       const double k = joint_distance(region, p.position, p.normal);
       if (std::abs(k - 1.0) < 1e-3) continue;
       // These scenes have no two sheets in one smooth region.
-      EXPECT_EQ(!s.points.is_open(i), k < 1.0 && p.region == point.region) << "point " << i << ", run " << run;
+      EXPECT_EQ(!s.points.is_open(i), k < 1.0 && p.region == point.region)
+          << "point " << i << ", run " << run;
       covered += k < 1.0;
     }
   }
