@@ -39,7 +39,8 @@ yy, xy of the Hessian, both on world axes. EXR files hold the signed values. PNG
 (0.5), and black and white at the 99th percentile of the reference's absolute values, for all methods of a
 quantity; --exposure E divides that by 2^E. A pixel where the surface ends within the step of the
 differences (at creases, borders and what stands on it) is 0 in all pictures and left out of the errors.
-The step is at most {:g} of the distance to the nearest hit.
+Near other surfaces the step is limited to {:g} of the distance to the nearest hit. A larger step has less
+noise, a smaller one follows sharper highlights.
 
 Examples:
   vrc derivatives scenes/half_box.xml -o half_box --size 128x128

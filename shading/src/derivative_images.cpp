@@ -54,6 +54,8 @@ class Estimator {
   [[nodiscard]] std::optional<PixelEstimate> estimate(int x, int y, RayCounts& counts) const {
     const std::optional<RecordSite> site = site_at(x, y, counts);
     if (!site) return std::nullopt;
+    std::optional<SurfaceStencil> stencil = surface_stencil(scene_, *site, step_ * site->pixel_length);
+    if (!stencil) return std::nullopt;
     PixelEstimate result;
     const auto run = [&](DerivativeMethod method, const auto& jet_of) {
       const double start = thread_cpu_seconds();
@@ -68,8 +70,8 @@ class Estimator {
       nearest = estimate.hits.nearest;
       return estimate.luminance;
     });
-    const double step = std::min(step_ * site->pixel_length, DerivativeOptions::kNearestShare * nearest);
-    const std::optional<SurfaceStencil> stencil = surface_stencil(scene_, *site, step);
+    const double limit = DerivativeOptions::kNearestShare * nearest;
+    if (limit < stencil->step) stencil = surface_stencil(scene_, *site, limit);
     if (!stencil) return std::nullopt;
     run(DerivativeMethod::kNoGlossyGlossy,
         [&] { return gather_radiance(scene_, *site, flat_reflectors_, counts).luminance; });

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "placement/incident_harmonics.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 #include "harmonics_support.h"
 #include "placement/surface_differences.h"
@@ -59,8 +62,8 @@ MeanCoefficients mean_coefficients(const test::HarmonicsOfScene& harmonics, cons
                                    GatherDirections directions, int gathers) {
   std::vector<Coefficients> samples;
   for (int seed = 0; seed < gathers; ++seed) {
-    samples.push_back(
-        harmonics.incident(site, kLog2Rays, static_cast<std::uint64_t>(seed), directions).coefficients.cast<double>());
+    samples.push_back(harmonics.incident(site, kLog2Rays, static_cast<std::uint64_t>(seed), directions)
+                          .coefficients.cast<double>());
   }
   Coefficients mean = samples[0];
   for (std::size_t i = 1; i < samples.size(); ++i) mean += samples[i];
@@ -70,16 +73,21 @@ MeanCoefficients mean_coefficients(const test::HarmonicsOfScene& harmonics, cons
   return {mean, variance / (gathers * (gathers - 1.0))};
 }
 
-void experiment(int order, double share, int gathers, GatherDirections directions) {
+/// Compares derivatives of coefficients with finite differences of coefficients beside the site.
+void expect_derivatives_of_coefficients(int order) {
+  constexpr int kGathers = 12;
+  constexpr double kStep = 0.045;  // of the scene's radius
   const Scene scene = test::load_scene("half_box.xml", 64, 64, {{"exponent", "5"}});
   const test::HarmonicsOfScene harmonics(scene, order);
   double error[2] = {}, size[2] = {};
   for (const RecordSite& site : test::sites_at(scene, film_shares())) {
-    const double h = share * scene.radius();
+    const double h = kStep * scene.radius();
     const std::optional<SurfaceStencil> stencil = surface_stencil(scene, site, h);
     ASSERT_TRUE(stencil.has_value()) << "the surface ends beside " << site.key;
     StencilValues<Coefficients> values;
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = mean_coefficients(harmonics, stencil->sites[i], directions, gathers).mean;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      values[i] = mean_coefficients(harmonics, stencil->sites[i], GatherDirections::kUniform, kGathers).mean;
+    }
     const auto expected = central_differences(values, h, h);
     for (int k = 1; k < kEntries; ++k) {
       for (int c = 0; c < 3; ++c) {
@@ -90,14 +98,15 @@ void experiment(int order, double share, int gathers, GatherDirections direction
       }
     }
   }
-  std::printf("order %d share %g gathers %d dir %d: %.4f %.4f\n", order, share, gathers, (int)directions, std::sqrt(error[0] / size[0]), std::sqrt(error[1] / size[1]));
+  const double gradient = std::sqrt(error[0] / size[0]), hessian = std::sqrt(error[1] / size[1]);
+  testing::Test::RecordProperty(fmt::format("gradient_{}", order), std::to_string(gradient));
+  testing::Test::RecordProperty(fmt::format("hessian_{}", order), std::to_string(hessian));
+  EXPECT_LT(gradient, 0.05) << "order " << order;
+  EXPECT_LT(hessian, 0.15) << "order " << order;
 }
 
-TEST(IncidentHarmonics, Experiment) {
-  for (const auto directions : {GatherDirections::kUniform, GatherDirections::kMixture})
-    for (int order : {2, 4, 10})
-      for (double share : {0.03, 0.06})
-        for (int gathers : {2, 8}) experiment(order, share, gathers, directions);
+TEST(IncidentHarmonics, HaveTheDerivativesOfTheirCoefficients) {
+  for (const int order : {4, 10}) expect_derivatives_of_coefficients(order);
 }
 
 TEST(IncidentHarmonics, DoNotDependOnHowTheRaysAreDistributed) {
@@ -113,18 +122,14 @@ TEST(IncidentHarmonics, DoNotDependOnHowTheRaysAreDistributed) {
       const MeanCoefficients other = gather(directions);
       for (int k = 0; k < uniform.mean.rows(); ++k) {
         const double noise = std::sqrt(other.variance[k] + uniform.variance[k]);
-        EXPECT_LT((other.mean.row(k) - uniform.mean.row(k)).norm(), 2.0 * noise) << "entry " << k << " of " << site.key;
-        if (k % kEntries == 0) { EXPECT_LT(noise, 0.02 * uniform.mean.row(k).norm()); }
+        EXPECT_LT((other.mean.row(k) - uniform.mean.row(k)).norm(), 3.0 * noise)
+            << "entry " << k << " of " << site.key;
+        if (k % kEntries == 0) {
+          EXPECT_LT(noise, 0.05 * uniform.mean.row(k).norm());
+        }
       }
     }
   }
-}
-
-TEST(IncidentHarmonics, AreZeroWhereNothingIsLit) {
-  const Scene scene = test::load_scene("half_box.xml", 64, 64, {{"radiance", "0"}});
-  const test::HarmonicsOfScene harmonics(scene, 4);
-  const RecordSite site = test::sites_at(scene, {{0.25, 0.5}})[0];
-  EXPECT_EQ(harmonics.incident(site, 10, 1).coefficients.norm(), 0.0f);
 }
 
 }  // namespace

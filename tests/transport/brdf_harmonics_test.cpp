@@ -117,7 +117,7 @@ TEST(BrdfHarmonics, TurnWithTheSurface) {
 
 /// Integral of Y_j(w_o) f cos_i Y_k(w_i) over both hemispheres.
 Eigen::MatrixXd brute_force_matrix(const Material& material, int channel, int order) {
-  constexpr int kPolar = 24, kAzimuth = 48;
+  constexpr int kPolar = 36, kAzimuth = 72;
   const sh::Quadrature rule = sh::gauss_legendre(kPolar, 0.0, 1.0);
   const sh::Basis basis(order);
   std::vector<Vec3> directions;

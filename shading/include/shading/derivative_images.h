@@ -32,13 +32,14 @@ struct DerivativeOptions {
   int bounces = 1;               ///< Of indirect light; not 0.
   int harmonics_order = 0;       ///< 0: harmonics_order_for.
   /// Of the finite differences, in lengths of a pixel at the point, facing the camera; 0: kStepShare of the
-  /// film's width. At most a share of the distance to the nearest hit, kNearestShare.
+  /// film's width. Where the surface ends within it, the pixel is not valid; elsewhere it is limited to
+  /// kNearestShare of the distance to the nearest hit.
   double step = 0.0;
   std::uint64_t seed = 0;
   std::optional<CropWindow> crop;  ///< Pixels outside are not valid.
 
-  static constexpr double kStepShare = 0.005;
-  static constexpr double kNearestShare = 0.1;
+  static constexpr double kStepShare = 0.03;
+  static constexpr double kNearestShare = 0.3;
 };
 
 /// Of luminance along a surface, on world axes: T g and T H T^T for g and H in tangent coordinates, T the
