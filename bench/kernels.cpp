@@ -87,7 +87,7 @@ void interpolate_samples(benchmark::State& state) {
   options.gather_rays = 1024;
   const PlacementView view = {0, 0, kSize, kSize, &f.film};
   PlacementResult placed = place_records(f.scene, view, options, 1, 1, {});
-  const RadianceCache cache(placed.charts, std::move(placed.records), placed.reaches);
+  const RadianceCache cache(placed.charts, std::move(placed.records), placed.reaches, placed.brdfs);
   RayCounts counts;
   const Tile tile = trace_tile(f.scene, f.film, f.layout, f.layout.count() / 2, {0, 1}, counts);
   for (auto _ : state) {

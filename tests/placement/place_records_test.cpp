@@ -64,7 +64,7 @@ TEST(PlaceRecords, ReachesEverySampleOfThePicture) {
       PlacementResult placed = picture.place(options);
       EXPECT_FALSE(placed.unfinished);
       EXPECT_GT(placed.records.size(), 20u);
-      const RadianceCache cache(placed.charts, std::move(placed.records), placed.reaches);
+      const RadianceCache cache(placed.charts, std::move(placed.records), placed.reaches, placed.brdfs);
       EXPECT_EQ(uncovered_samples(picture, cache), 0u) << name << ", sampler " << static_cast<int>(sampler);
     }
   }

@@ -81,7 +81,7 @@ void expect_no_seams(const SceneDescription& description, std::size_t surface, i
   options.gather_rays = 1024;
   PlacementResult placed =
       place_records(scene, {0, 0, camera.width, camera.height, &film}, options, 1, 1, {});
-  const RadianceCache cache(placed.charts, std::move(placed.records), placed.reaches);
+  const RadianceCache cache(placed.charts, std::move(placed.records), placed.reaches, placed.brdfs);
   int compared = 0;
   for (const SeamPoint& seam : seam_points(cache.charts(), surface)) {
     const Tile tile = tile_of(seam);
