@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/progress.h"
 #include "app/version.h"
+#include "core/timing.h"
 
 namespace vrc {
 namespace {

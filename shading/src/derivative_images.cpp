@@ -7,6 +7,7 @@
 
 #include "core/hash.h"
 #include "core/parallel.h"
+#include "core/timing.h"
 #include "placement/harmonics_derivatives.h"
 #include "placement/record_factory.h"
 #include "placement/surface_differences.h"

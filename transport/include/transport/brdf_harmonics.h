@@ -59,7 +59,8 @@ class BrdfHarmonics {
   void response(const Vec3& normal, const Vec3& outgoing, Eigen::Ref<Eigen::MatrixXf> weights) const;
 
   /// M of one channel in the surface's frame: the outgoing coefficients are M times the incident ones
-  /// [PharrHumphreys2010]. BRDFs are isotropic, so it only couples harmonics of the same m; made on first use.
+  /// [PharrHumphreys2010]. BRDFs are isotropic, so it only couples harmonics of the same m; made on first
+  /// use.
   [[nodiscard]] const Eigen::MatrixXf& matrix(int channel) const;
 
  private:
