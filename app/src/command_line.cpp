@@ -21,6 +21,7 @@ Examples:
   vrc render scenes/cornell_glossy.xml -o box.exr -o box.png
   vrc render bunny.ply --camera-origin 0,1,4 --camera-target 0,0.5,0 -o bunny.png
   vrc records scenes/curved_room.xml -o records.vtp --overlay records.png
+  vrc derivatives scenes/half_box.xml -o half_box --size 128x128
   vrc compare box.exr reference.exr
   vrc inspect bunny.ply
   vrc curvature bunny.ply -o curvature.png
@@ -75,6 +76,7 @@ int parse_and_run(int argc, const char* const* argv) {
   const std::map<std::string, CommandAction> actions{
       {"render", add_render_command(program, joined(argc, argv))},
       {"records", add_records_command(program, joined(argc, argv))},
+      {"derivatives", add_derivatives_command(program, joined(argc, argv))},
       {"compare", add_compare_command(program)},
       {"inspect", add_inspect_command(program)},
       {"curvature", add_curvature_command(program)},
@@ -89,7 +91,8 @@ int parse_and_run(int argc, const char* const* argv) {
   }
   if (program.get_subcommands().empty()) {
     throw InputError(
-        "give a command: render or compare for pictures, records for the cache, inspect, curvature or charts "
+        "give a command: render or compare for pictures, records or derivatives for the cache, inspect, "
+        "curvature or charts "
         "for meshes; see 'vrc --help'");
   }
   return actions.at(program.get_subcommands().front()->get_name())();

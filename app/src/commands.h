@@ -17,6 +17,7 @@ using CommandAction = std::function<int()>;
 /// `command_line` is what the user typed, for the records that the command writes.
 [[nodiscard]] CommandAction add_render_command(CLI::App& program, const std::string& command_line);
 [[nodiscard]] CommandAction add_records_command(CLI::App& program, const std::string& command_line);
+[[nodiscard]] CommandAction add_derivatives_command(CLI::App& program, const std::string& command_line);
 [[nodiscard]] CommandAction add_compare_command(CLI::App& program);
 [[nodiscard]] CommandAction add_inspect_command(CLI::App& program);
 [[nodiscard]] CommandAction add_curvature_command(CLI::App& program);

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "render_arguments.h"
 
-#include <algorithm>
-#include <limits>
-
 #include "cli_values.h"
 
 namespace vrc {
@@ -111,29 +108,11 @@ void declare_method(CLI::App& command, RenderOptions& render) {
 void declare_picture(CLI::App& command, RenderArguments& arguments) {
   const auto group = [](CLI::Option* option) { option->group("Picture"); };
   RenderOptions& render = arguments.render;
-  group(add_number(command, "--bounces", arguments.bounces, NumberRange<int>{-1, 1024},
-                   "Indirect bounces; 0 is direct light only, -1 is unbounded", "the scene's max_depth - 2"));
-  group(add_value(command, "--size", "WxH", "Film size in pixels",
-                  "a size such as 640x480, at most 16384x16384",
-                  [&arguments](const std::string& text) {
-                    const auto size = parse_size(text);
-                    if (!size) return false;
-                    arguments.scene_options.width = size->first;
-                    arguments.scene_options.height = size->second;
-                    return true;
-                  })
-            ->default_str("the scene's"));
+  declare_view(command, arguments, render.crop, render.seed);
   group(add_number(command, "--spp", arguments.samples_per_pixel, NumberRange<int>{1, 1 << 20},
                    "Camera samples of a pixel", "the scene's"));
   group(add_number(command, "--light-samples", render.light_samples, NumberRange<int>{0, 4096},
                    "Direct light samples for each camera sample; 0 chooses by method"));
-  group(add_value(
-      command, "--crop", "x0,y0,x1,y1", "Render only these pixels, x1 and y1 excluded; others stay black",
-      "four whole numbers x0,y0,x1,y1 with 0 <= x0 < x1 and 0 <= y0 < y1",
-      [&render](const std::string& text) { return (render.crop = parse_crop(text)).has_value(); }));
-  group(add_number(command, "--seed", render.seed,
-                   NumberRange<std::uint64_t>{0, std::numeric_limits<std::uint64_t>::max()},
-                   "Another seed gives other noise"));
 }
 
 void declare_cache(CLI::App& command, RenderArguments& arguments) {
@@ -205,56 +184,6 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
   for (CLI::Option* other : {strategy, representation, placement}) baseline->excludes(other);
 }
 
-void declare_scene(CLI::App& command, RenderArguments& arguments) {
-  SceneReadOptions& scene = arguments.scene_options;
-  command.add_option("scene", arguments.scene, "Mitsuba 3 scene (.xml) or bare mesh (.obj, .ply)")
-      ->type_name("SCENE")
-      ->required();
-  const auto add_point = [&](const char* name, std::optional<Vec3>& target, const char* description) {
-    add_value(command, name, "x,y,z", description, "three numbers x,y,z", [&target](const std::string& text) {
-      return (target = parse_vec3(text)).has_value();
-    })->group("Scene");
-  };
-  command
-      .add_option_function<std::vector<std::string>>(
-          "-D,--define",
-          [&scene](const std::vector<std::string>& definitions) {
-            for (const std::string& text : definitions) {
-              const std::size_t equals = text.find('=');
-              if (equals == 0 || equals == std::string::npos) {
-                throw CLI::ValidationError("--define",
-                                           fmt::format("'{}' is not of the form NAME=VALUE", text));
-              }
-              scene.defines[text.substr(0, equals)] = text.substr(equals + 1);
-            }
-          },
-          "Set a parameter of the scene file; may be repeated")
-      ->type_name("NAME=VALUE")
-      ->allow_extra_args(false)
-      ->group("Scene");
-  add_number(command, "--crease-angle", arguments.crease_angle, NumberRange<double>{0.0, 180.0},
-             "Edges that bend by more are creases, in degrees; supplied normals go before")
-      ->group("Scene");
-  add_choice(command, "--curvature", arguments.curvature,
-             {{"tensor", CurvatureMethod::kFaceTensors}, {"jet", CurvatureMethod::kJet}},
-             "How the curvature of surfaces is estimated")
-      ->group("Scene");
-  command.add_flag("--lenient", scene.lenient, "Warn about what is not understood instead of stopping")
-      ->group("Scene");
-  add_point("--camera-origin", scene.camera_origin, "Where the camera of a bare mesh stands");
-  add_point("--camera-target", scene.camera_target, "What the camera of a bare mesh looks at");
-  add_number(command, "--fov", scene.fov_degrees, NumberRange<double>{0.01, 179.0},
-             "Horizontal field of view for a bare mesh, in degrees")
-      ->group("Scene");
-}
-
-void declare_run(CLI::App& command, RenderArguments& arguments) {
-  add_number(command, "--threads", arguments.threads, NumberRange<int>{1, 1024},
-             "Worker threads; the files do not depend on them", "one for each processor")
-      ->group("Run");
-  command.add_flag("--quiet", arguments.quiet, "No progress and no notes")->group("Run");
-}
-
 }  // namespace
 
 void declare_render_options(CLI::App& command, RenderArguments& arguments) {
@@ -282,12 +211,8 @@ RenderOptions render_options_for(const RenderArguments& arguments, const SceneDe
   if (arguments.camera_path) options.cache.representation = Representation::kHarmonics;
   options.cache = baseline_options(arguments.baseline, options.cache);
   options.samples_per_pixel = arguments.samples_per_pixel.value_or(scene.samples_per_pixel);
-  const int scene_bounces = scene.max_depth < 0 ? -1 : std::max(0, scene.max_depth - 2);
-  options.bounces = arguments.bounces.value_or(scene_bounces);
-  if (options.crop && (options.crop->x1 > scene.camera.width || options.crop->y1 > scene.camera.height)) {
-    throw InputError(fmt::format("--crop: the window reaches outside the film of {}x{} pixels",
-                                 scene.camera.width, scene.camera.height));
-  }
+  options.bounces = bounces_for(arguments, scene);
+  check_crop(options.crop, scene.camera);
   return options;
 }
 

@@ -5,28 +5,16 @@
 #include <optional>
 #include <vector>
 
-#include "io/scene_reader.h"
 #include "placement/baselines.h"
-#include "shading/render.h"
-
-namespace CLI {
-class App;
-}
+#include "scene_arguments.h"
 
 namespace vrc {
 
 /// What the user asked `vrc render` or `vrc records` to do.
-struct RenderArguments {
-  std::filesystem::path scene;
-  SceneReadOptions scene_options;
-  double crease_angle = CreaseOptions{}.crease_angle;  ///< [degrees]
-  CurvatureMethod curvature = CurvatureMethod::kFaceTensors;
+struct RenderArguments : SceneArguments {
   RenderOptions render;  ///< Without what the scene decides; see `render_options_for`.
   Baseline baseline = Baseline::kNone;
   std::optional<int> samples_per_pixel;  ///< Default: the scene's.
-  std::optional<int> bounces;            ///< Default: from the scene's max_depth.
-  int threads = 0;                       ///< 0: every processor.
-  bool quiet = false;
 
   std::vector<std::filesystem::path> images;       ///< .exr and .png
   std::vector<std::filesystem::path> record_maps;  ///< .ply, .vtp and .csv

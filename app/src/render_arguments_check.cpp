@@ -61,18 +61,6 @@ void check_outputs(const RenderArguments& arguments) {
   }
 }
 
-void check_inputs(const RenderArguments& arguments) {
-  const SceneReadOptions& scene = arguments.scene_options;
-  if ((scene.camera_origin || scene.camera_target || scene.fov_degrees) &&
-      lower_extension(arguments.scene) == ".xml") {
-    throw InputError(
-        "--camera-origin, --camera-target and --fov are for bare meshes; edit the <sensor> of the scene, or "
-        "use -D with a parameter of it");
-  }
-  std::error_code error;
-  if (!fs::exists(arguments.scene, error)) throw InputError(arguments.scene.string(), 0, "no such file");
-}
-
 /// Records of earlier frames must serve other cameras.
 void check_camera_path(const RenderArguments& arguments) {
   const CacheOptions& cache = arguments.render.cache;
@@ -100,7 +88,7 @@ void check_render_arguments(const RenderArguments& arguments) {
     throw InputError("--record-map, --record-ellipses and --record-overlay need --method cache");
   }
   if (arguments.camera_path) check_camera_path(arguments);
-  check_inputs(arguments);
+  check_scene_arguments(arguments);
   check_outputs(arguments);
 }
 
@@ -108,7 +96,7 @@ void check_records_arguments(const RenderArguments& arguments) {
   if (arguments.record_maps.empty() && !arguments.record_ellipses && !arguments.record_overlay) {
     throw InputError("give a file to write: -o for a record map, --ellipses or --overlay");
   }
-  check_inputs(arguments);
+  check_scene_arguments(arguments);
   check_outputs(arguments);
 }
 

@@ -16,26 +16,6 @@
 namespace vrc {
 namespace {
 
-double steady_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-void print_messages(const SceneDescription& scene, bool quiet) {
-  for (const std::string& warning : scene.warnings) std::cerr << "warning: " << warning << "\n";
-  if (quiet) return;
-  for (const std::string& note : scene.notes) std::cerr << "note: " << note << "\n";
-}
-
-RenderResult render_with_progress(const Scene& scene, const RenderOptions& options, bool quiet,
-                                  const std::atomic<bool>& stop, const EarlierFrames& earlier) {
-  ProgressDisplay display(std::cerr, quiet ? ProgressStyle::kNone : progress_style_of_stderr(),
-                          steady_seconds, terminal_columns());
-  RunControl control;
-  control.progress = [&display](const ProgressUpdate& update) { display.update(update); };
-  control.stop = &stop;
-  return render(scene, options, control, earlier);
-}
-
 /// Without a cache, the picture alone.
 void write_overlay(const std::filesystem::path& path, const RenderResult& result, double exposure) {
   if (!result.cache) return write_png(path, result.image, exposure);
@@ -60,10 +40,7 @@ LoadedScene load_scene(const RenderArguments& arguments, const std::string& comm
   report.threads = set_thread_count(arguments.threads);
 
   const PhaseTimer reading("read scene");
-  SceneDescription description = read_scene(arguments.scene, arguments.scene_options);
-  description.crease_angle = arguments.crease_angle;
-  description.curvature = arguments.curvature;
-  print_messages(description, arguments.quiet);
+  const SceneDescription description = read_scene_of(arguments);
   report.options = render_options_for(arguments, description);
   report.width = description.camera.width;
   report.height = description.camera.height;
@@ -80,7 +57,9 @@ LoadedScene load_scene(const RenderArguments& arguments, const std::string& comm
 RenderResult render_reported(const Scene& scene, bool quiet, const std::atomic<bool>& stop,
                              const EarlierFrames& earlier, RunReport& report) {
   const PhaseTimer rendering("render");
-  RenderResult result = render_with_progress(scene, report.options, quiet, stop, earlier);
+  RenderResult result;
+  with_progress(quiet, stop,
+                [&](const RunControl& control) { result = render(scene, report.options, control, earlier); });
   report.render_seconds = rendering.elapsed().seconds;
   std::vector<PhaseTime> phases = std::move(report.stats.phases);
   report.stats = result.stats;
@@ -90,6 +69,19 @@ RenderResult render_reported(const Scene& scene, bool quiet, const std::atomic<b
 }
 
 }  // namespace
+
+void with_progress(bool quiet, const std::atomic<bool>& stop,
+                   const std::function<void(const RunControl&)>& work) {
+  const auto steady_seconds = [] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  };
+  ProgressDisplay display(std::cerr, quiet ? ProgressStyle::kNone : progress_style_of_stderr(),
+                          steady_seconds, terminal_columns());
+  RunControl control;
+  control.progress = [&display](const ProgressUpdate& update) { display.update(update); };
+  control.stop = &stop;
+  work(control);
+}
 
 SceneRun run_scene(const RenderArguments& arguments, const std::string& command_line,
                    const std::atomic<bool>& stop, const std::function<void(const SceneDescription&)>& check) {

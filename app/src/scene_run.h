@@ -19,6 +19,10 @@ struct SceneRun {
   RunReport report;
 };
 
+/// Does `work` with its progress shown on standard error.
+void with_progress(bool quiet, const std::atomic<bool>& stop,
+                   const std::function<void(const RunControl&)>& work);
+
 /// Reads and renders the scene of the arguments, showing progress. `check` sees the scene before the
 /// work begins and may throw. Throws Interrupted when `stop` is raised before it begins.
 [[nodiscard]] SceneRun run_scene(const RenderArguments& arguments, const std::string& command_line,

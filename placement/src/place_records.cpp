@@ -153,13 +153,9 @@ class Placement {
     for (const RadianceRecord& record : result_.records) sum += record.estimate.luminance.value;
     rule_.mean_luminance =
         result_.records.empty() ? 1.0 : std::max(sum / static_cast<double>(result_.records.size()), 1e-30);
-    gather_.log2_rays = options_.gather_rays > 0 ? log2_ceiling(options_.gather_rays) : rays_for_noise();
+    gather_.log2_rays = options_.gather_rays > 0 ? log2_rays_for(options_.gather_rays) : rays_for_noise();
     result_.scale = {rule_.mean_luminance, gather_.log2_rays};
     result_.records.clear();
-  }
-
-  [[nodiscard]] static int log2_ceiling(int rays) {
-    return std::max(kFewestLog2Rays, static_cast<int>(std::bit_width(static_cast<unsigned>(rays - 1))));
   }
 
   /// Rays that bring a typical record's relative noise down to the accepted error; the joint fit and
@@ -313,6 +309,10 @@ class Placement {
 };
 
 }  // namespace
+
+int log2_rays_for(int rays) {
+  return std::max(kFewestLog2Rays, static_cast<int>(std::bit_width(static_cast<unsigned>(rays - 1))));
+}
 
 PlacementResult place_records(const Scene& scene, const PlacementView& view, const CacheOptions& options,
                               int bounces, std::uint64_t seed, const RunControl& control,

@@ -64,7 +64,7 @@ TEST(PlaceRecords, ReachesEverySampleOfThePicture) {
       PlacementResult placed = picture.place(options);
       EXPECT_FALSE(placed.unfinished);
       EXPECT_GT(placed.records.size(), 20u);
-      const RadianceCache cache(placed.charts, std::move(placed.records), placed.reaches);
+      const RadianceCache cache(placed.charts, std::move(placed.records), placed.reaches, placed.brdfs);
       EXPECT_EQ(uncovered_samples(picture, cache), 0u) << name << ", sampler " << static_cast<int>(sampler);
     }
   }
@@ -145,8 +145,7 @@ std::vector<double> neighbour_distances(std::span<const RadianceRecord> records)
 TEST(PlaceRecords, SurfaceSamplerKeepsNeighboursApartInTheirOwnMetric) {
   const Picture picture("glossy_pair.xml", 128);
   const std::vector<double> image = neighbour_distances(picture.place(cheap(0)).records);
-  const std::vector<double> surface =
-      neighbour_distances(picture.place(cheap(0, Sampler::kSurface)).records);
+  const std::vector<double> surface = neighbour_distances(picture.place(cheap(0, Sampler::kSurface)).records);
   EXPECT_GT(surface[surface.size() / 4], image[image.size() / 4]);
   EXPECT_GT(surface[surface.size() / 10], 0.5);
   EXPECT_LT(surface.size(), image.size());

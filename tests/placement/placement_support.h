@@ -47,23 +47,6 @@ inline std::vector<RecordSite> sites_at(const Scene& scene, const std::vector<Ve
   return sites;
 }
 
-/// The site on the same surface whose projection to the tangent plane is displaced by `d`.
-inline RecordSite displaced(const Scene& scene, const RecordSite& site, const Vec2& d) {
-  const double height = 0.04 * scene.radius();
-  const Vec3 from = site.point.position + d[0] * site.frame.tangent + d[1] * site.frame.bitangent +
-                    height * site.point.normal;
-  I16 first{};
-  first[0] = -1;
-  const Ray16 ray = {splat3(from), splat3(Vec3(-site.point.normal)), splat(static_cast<float>(2.0 * height))};
-  const SurfacePoint16 p = scene.intersect(first, ray, RayTracer::Coherence::kIncoherent);
-  EXPECT_TRUE(p.hit[0] != 0 && p.region[0] == site.point.region) << "the surface ends beside " << site.key;
-  if (p.hit[0] == 0) return site;
-  return make_site(
-      scene,
-      scene.surface_point(static_cast<std::uint32_t>(p.triangle[0]), p.u[0], p.v[0], scene.camera().origin),
-      site.key);
-}
-
 inline RadianceEstimate gather(const Scene& scene, const RecordSite& site, int log2_rays, std::uint64_t seed,
                                bool glossy_glossy = true, int bounces = 1) {
   RayCounts counts;

@@ -98,7 +98,8 @@ TEST(ShapeRecord, KeepsTheRadiiBetweenOnePixelAndATenthOfThePicture) {
     record.estimate.radiance.fill(record.estimate.luminance);
     if (run % 2 == 0) {
       record.estimate.hits.nearest = std::pow(10.0, -4.0 * bits.uniform());
-      record.estimate.hits.nearest_normal = Vec3(bits.uniform() - 0.5, bits.uniform() - 0.5, 0.2).normalized();
+      record.estimate.hits.nearest_normal =
+          Vec3(bits.uniform() - 0.5, bits.uniform() - 0.5, 0.2).normalized();
     }
     shape_record(record, rule);
     const ValidRegion& r = record.region;

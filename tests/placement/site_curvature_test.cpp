@@ -20,8 +20,14 @@ RadianceRecord record_on(const Scene& scene, const SurfacePoint& point, double r
   record.site = make_site(scene, point, 1);
   const Frame& frame = record.site.frame;
   const Vec3 axis = std::cos(angle) * frame.tangent + std::sin(angle) * frame.bitangent;
-  record.region = {point.position, point.normal, axis, point.normal.cross(axis), radius1, radius2,
-                   std::min(radius1, radius2), std::cos(kThetaMax)};
+  record.region = {point.position,
+                   point.normal,
+                   axis,
+                   point.normal.cross(axis),
+                   radius1,
+                   radius2,
+                   std::min(radius1, radius2),
+                   std::cos(kThetaMax)};
   record.estimate.hits.mean_inverse = 2.0;
   return record;
 }
@@ -35,7 +41,8 @@ SurfacePoint point_on(const Scene& scene, double x, double y) {
 TEST(ClassifySite, PlanesAreFlat) {
   const Scene scene = test::load_scene("half_box.xml", 64, 64);
   const SceneCharts charts(scene);
-  const SiteCurvature site = classify_site(charts, record_on(scene, point_on(scene, 0.5, 0.8), 0.3, 0.1), kThetaMax);
+  const SiteCurvature site =
+      classify_site(charts, record_on(scene, point_on(scene, 0.5, 0.8), 0.3, 0.1), kThetaMax);
   EXPECT_EQ(site.reason, CurvatureReason::kFlat);
   EXPECT_FALSE(site.needs_sh());
   EXPECT_EQ(site.deviation, 0.0);

@@ -55,8 +55,14 @@ RadianceRecord record_at(const Scene& scene, const SurfacePoint& point, double r
   RadianceRecord record;
   record.site = make_site(scene, point, 1);
   const Frame& frame = record.site.frame;
-  record.region = {point.position, point.normal, frame.tangent, frame.bitangent, radius1,
-                   radius2,        std::min(radius1, radius2), std::cos(max_deviation)};
+  record.region = {point.position,
+                   point.normal,
+                   frame.tangent,
+                   frame.bitangent,
+                   radius1,
+                   radius2,
+                   std::min(radius1, radius2),
+                   std::cos(max_deviation)};
   for (Jet2& j : record.radiance) j.value = 1.0;
   return record;
 }
@@ -89,14 +95,16 @@ std::vector<double> weights_at(const RadianceCache& cache, const std::vector<Sur
                                double support) {
   std::vector<double> result;
   for (std::size_t first = 0; first < points.size(); first += kLanes) {
-    const std::vector<SurfacePoint> some(points.begin() + static_cast<std::ptrdiff_t>(first),
-                                         points.begin() + static_cast<std::ptrdiff_t>(
-                                                              std::min(first + kLanes, points.size())));
+    const std::vector<SurfacePoint> some(
+        points.begin() + static_cast<std::ptrdiff_t>(first),
+        points.begin() + static_cast<std::ptrdiff_t>(std::min(first + kLanes, points.size())));
     const Tile tile = tile_of(some);
     F16 sum{};
-    TileRecords(cache, tile).for_each(0, static_cast<float>(support),
-                                      [&](const PackedRecord&, const Coverage16& c) { sum += c.weight; });
-    for (std::size_t i = 0; i < some.size(); ++i) result.push_back(static_cast<double>(sum[static_cast<int>(i)]));
+    TileRecords(cache, tile)
+        .for_each(0, static_cast<float>(support),
+                  [&](const PackedRecord&, const Coverage16& c) { sum += c.weight; });
+    for (std::size_t i = 0; i < some.size(); ++i)
+      result.push_back(static_cast<double>(sum[static_cast<int>(i)]));
   }
   return result;
 }
@@ -207,10 +215,9 @@ TEST(SurfaceLookUp, StaysOnOneOfTwoSheetsThatFaceTheSameWay) {
   }
   const Surface surface(both);
   const SurfacePoint center = surface.at(420, 0.4f, 0.3f);
-  const Leaks leaks =
-      count_leaks(surface, record_at(surface.scene, center, 0.3, 0.3), [&](const SurfacePoint& p) {
-        return std::abs(p.position.z() - center.position.z()) > 0.001;
-      });
+  const Leaks leaks = count_leaks(
+      surface, record_at(surface.scene, center, 0.3, 0.3),
+      [&](const SurfacePoint& p) { return std::abs(p.position.z() - center.position.z()) > 0.001; });
   EXPECT_GT(leaks.tempting, 1000);
   EXPECT_EQ(leaks.lit, 0);
 }
@@ -260,7 +267,8 @@ TEST(SurfaceLookUp, DoesNotCrossASlit) {
   cut.positions = soup.positions;
   for (std::size_t f = 0; f < soup.face_count(); ++f) {
     const auto quad = soup.face_positions(f);
-    for (const auto& triangle : {std::array{quad[0], quad[1], quad[2]}, std::array{quad[0], quad[2], quad[3]}}) {
+    for (const auto& triangle :
+         {std::array{quad[0], quad[1], quad[2]}, std::array{quad[0], quad[2], quad[3]}}) {
       Vec3 middle = Vec3::Zero();
       for (const std::uint32_t v : triangle) middle += soup.positions[v] / 3.0;
       std::vector<std::uint32_t> face(triangle.begin(), triangle.end());
@@ -283,7 +291,8 @@ TEST(SurfaceLookUp, DoesNotCrossASlit) {
 
 TEST(SurfaceLookUp, StaysOnItsSideOfThinWallsAndInsideCorners) {
   // A wall of thickness 0.001 on a floor: floor left, wall left, top, wall right, floor right.
-  const std::vector<Vec2> profile = {{-1, 0}, {-0.0005, 0}, {-0.0005, 0.5}, {0.0005, 0.5}, {0.0005, 0}, {1, 0}};
+  const std::vector<Vec2> profile = {{-1, 0},       {-0.0005, 0}, {-0.0005, 0.5},
+                                     {0.0005, 0.5}, {0.0005, 0},  {1, 0}};
   std::vector<Vec3> positions;
   std::vector<std::vector<std::uint32_t>> faces;
   for (const Vec2& p : profile) {

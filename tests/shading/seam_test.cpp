@@ -48,7 +48,7 @@ std::vector<SeamPoint> seam_points(const SceneCharts& charts, std::size_t surfac
 }
 
 /// The two sides in lanes 0 and 1.
-Tile tile_of(const SeamPoint& seam) {
+Tile tile_of(const SeamPoint& seam, const Vec3& viewer) {
   SurfacePoint16 p{};
   for (int lane = 0; lane < 2; ++lane) {
     const SurfacePoint& from = seam.side[static_cast<std::size_t>(lane)];
@@ -68,6 +68,9 @@ Tile tile_of(const SeamPoint& seam) {
     store(p.normal, same.normal);
   }
   Tile tile;
+  CameraPacket packet{};
+  packet.direction = splat3(Vec3((seam.side[0].position - viewer).normalized()));
+  tile.packets = {packet};
   tile.points = {p};
   return tile;
 }
@@ -81,10 +84,10 @@ void expect_no_seams(const SceneDescription& description, std::size_t surface, i
   options.gather_rays = 1024;
   PlacementResult placed =
       place_records(scene, {0, 0, camera.width, camera.height, &film}, options, 1, 1, {});
-  const RadianceCache cache(placed.charts, std::move(placed.records), placed.reaches);
+  const RadianceCache cache(placed.charts, std::move(placed.records), placed.reaches, placed.brdfs);
   int compared = 0;
   for (const SeamPoint& seam : seam_points(cache.charts(), surface)) {
-    const Tile tile = tile_of(seam);
+    const Tile tile = tile_of(seam, camera.origin);
     const V3x16 radiance = interpolate(TileRecords(cache, tile), 0, 2);
     const double scale = static_cast<double>(std::max(radiance.y[0], radiance.y[1]));
     if (!(scale > 0.0)) continue;

@@ -27,6 +27,8 @@ class PhaseTimer {
 
 /// CPU seconds of all threads of this process since it began.
 [[nodiscard]] double process_cpu_seconds();
+/// CPU seconds of the calling thread since it began.
+[[nodiscard]] double thread_cpu_seconds();
 /// Largest resident set of this process so far, in bytes.
 [[nodiscard]] std::size_t peak_memory_bytes();
 

@@ -53,4 +53,7 @@ inline constexpr double kWideSupport = 3.0;
                                             const CacheOptions& options, int bounces, std::uint64_t seed,
                                             const RunControl& control, const EarlierFrames& earlier = {});
 
+/// Rays of a gather for a wish for at least `rays`, as a power of two: GatherOptions::log2_rays.
+[[nodiscard]] int log2_rays_for(int rays);
+
 }  // namespace vrc

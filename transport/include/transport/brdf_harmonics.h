@@ -52,12 +52,15 @@ class BrdfHarmonics {
   BrdfHarmonics(std::vector<Part> parts, const sh::FrameRotator& rotator)
       : parts_(std::move(parts)), rotator_(&rotator) {}
 
+  [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
+
   /// Weights per channel for radiance in world axes: coefficient_count(order) x 3. `normal` and
   /// `outgoing` are unit; 0 when the outgoing direction is below the surface.
   void response(const Vec3& normal, const Vec3& outgoing, Eigen::Ref<Eigen::MatrixXf> weights) const;
 
   /// M of one channel in the surface's frame: the outgoing coefficients are M times the incident ones
-  /// [PharrHumphreys]. BRDFs are isotropic, so it only couples harmonics of the same m; made on first use.
+  /// [PharrHumphreys2010]. BRDFs are isotropic, so it only couples harmonics of the same m; made on first
+  /// use.
   [[nodiscard]] const Eigen::MatrixXf& matrix(int channel) const;
 
  private:
