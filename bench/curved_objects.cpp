@@ -13,6 +13,7 @@
 
 #include "bench_support.h"
 #include "core/parallel.h"
+#include "placement/baselines.h"
 #include "transport/film_sampler.h"
 
 namespace vrc::bench {
@@ -25,9 +26,11 @@ constexpr double kSmallestError = 1e-3, kLargestError = 2.0;
 struct Settings : PictureSettings {
   std::vector<std::string> variants;
   double seconds = 1.5;
+  std::vector<double> errors;
   int records = 0;
   int search_runs = 6;
   int gather_rays = 0;
+  int harmonics_order = 0;
   bool markdown = false;
 
   Settings() {
@@ -63,6 +66,11 @@ CacheOptions flat(CacheOptions options) {
   return options;
 }
 
+CacheOptions strategy(Strategy strategy, CacheOptions options) {
+  options.strategy = strategy;
+  return options;
+}
+
 const std::vector<std::pair<std::string, CacheOptions>>& all_variants() {
   static const std::vector<std::pair<std::string, CacheOptions>> variants = {
       {"flat", flat(analytic())},
@@ -74,6 +82,10 @@ const std::vector<std::pair<std::string, CacheOptions>>& all_variants() {
       {"paper", flat(hybrid(HarmonicsRule::kPaper))},
       {"paper-total", hybrid(HarmonicsRule::kPaper)},
       {"auto", hybrid(HarmonicsRule::kAuto)},
+      {"independent", strategy(Strategy::kViewIndependent, analytic())},
+      {"independent-outgoing", strategy(Strategy::kViewIndependentOutgoing, analytic())},
+      {"independent-sh", strategy(Strategy::kViewIndependent, harmonics(10))},
+      {"krivanek", baseline_options(Baseline::kKrivanek, harmonics(10))},
   };
   return variants;
 }
@@ -180,10 +192,8 @@ void print_header(bool markdown) {
   }
 }
 
-void compare(const Subject& subject, const std::string& name, CacheOptions cache, const Settings& settings) {
-  cache.gather_rays = settings.gather_rays;
-  cache.records = settings.records;
-  if (cache.records == 0) cache.error = error_for_time(subject, cache, settings);
+void measure(const Subject& subject, const std::string& name, const CacheOptions& cache,
+             const Settings& settings) {
   std::vector<Run> runs;
   for (int i = 0; i < settings.repeats; ++i) {
     runs.push_back(run(subject, cache, settings.samples_per_pixel, static_cast<std::uint64_t>(i + 1)));
@@ -199,18 +209,30 @@ void compare(const Subject& subject, const std::string& name, CacheOptions cache
   std::fflush(stdout);
 }
 
+void compare(const Subject& subject, const std::string& name, CacheOptions cache, const Settings& settings) {
+  cache.gather_rays = settings.gather_rays;
+  cache.records = settings.records;
+  if (settings.harmonics_order > 0) cache.harmonics_order = settings.harmonics_order;
+  std::vector<double> errors = settings.errors;
+  if (errors.empty()) errors = {cache.records > 0 ? cache.error : error_for_time(subject, cache, settings)};
+  for (const double error : errors) {
+    cache.error = error;
+    measure(subject, name, cache, settings);
+  }
+}
+
 void run_scene(const std::string& file, const Settings& settings) {
   const SceneDescription description = read_scene_for(file, settings);
   const Scene scene(description);
   const Subject subject = {scene, make_references(scene, description, file, settings), curved_pixels(scene)};
   const auto object_size = std::ranges::count(subject.object, true);
-  if (object_size == 0) throw InputError(file, 0, "shows no curved surface");
   fmt::print("\n{}{}, {}x{}, {} samples a pixel, {} pixels of curved surfaces, {}\n\n",
              std::filesystem::path(file).stem().string(),
              settings.defines.empty() ? "" : fmt::format(" ({})", fmt::join(settings.defines, ", ")),
              settings.width, settings.height, settings.samples_per_pixel, object_size,
-             settings.records > 0 ? fmt::format("{} records", settings.records)
-                                  : fmt::format("{:g} CPU seconds", settings.seconds));
+             settings.records > 0      ? fmt::format("{} records", settings.records)
+             : settings.errors.empty() ? fmt::format("{:g} CPU seconds", settings.seconds)
+                                       : std::string("error thresholds"));
   print_header(settings.markdown);
   for (const auto& [name, options] : all_variants()) {
     const bool wanted = settings.variants.empty() || std::ranges::count(settings.variants, name) > 0;
@@ -231,6 +253,11 @@ void declare_options(CLI::App& app, Settings& settings) {
   app.add_option("--records", settings.records, "Give every variant this many records instead")
       ->check(CLI::PositiveNumber)
       ->excludes(seconds);
+  app.add_option("--error", settings.errors, "Compare at these thresholds instead")
+      ->check(CLI::PositiveNumber)
+      ->excludes(seconds);
+  app.add_option("--sh-order", settings.harmonics_order, "Order of spherical harmonics of all variants")
+      ->check(CLI::Range(1, sh::kMaxFrameOrder));
   app.add_option("--search-runs", settings.search_runs, "Runs that look for the time")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -155,7 +155,8 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
                  "or these where --sh-rule says so"));
   group(add_choice(command, "--sh-rule", cache.harmonics_rule,
                    {{"auto", HarmonicsRule::kAuto}, {"paper", HarmonicsRule::kPaper}},
-                   "Spherical harmonics of a hybrid cache: on small convex objects, or wherever the normal "
+                   "Spherical harmonics of a hybrid cache: where they save more records than they cost, or "
+                   "wherever the normal "
                    "turns by more than --max-normal-deviation in a record"));
   group(add_choice(command, "--sh-rays", cache.harmonics_rays,
                    {{"auto", HarmonicsRays::kAuto},
@@ -165,7 +166,7 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
                    "Distribution of the rays of spherical harmonics; auto is by the BRDF for one camera, by "
                    "the cosine for all"));
   group(add_number(command, "--sh-order", cache.harmonics_order, NumberRange<int>{1, sh::kMaxFrameOrder},
-                   "Order of spherical harmonics", "by sharpness, 10 to 24"));
+                   "Order of spherical harmonics", "by the lobes of each material, 8 to 24"));
   CLI::Option* placement = group(add_choice(
       command, "--placement", cache.metric,
       {{"hessian", PlacementMetric::kHessian},

@@ -76,29 +76,21 @@ V3x16 extrapolate(const PackedRecord& record, const Coverage16& c, int order) {
   return {channel(0), channel(1), channel(2)};
 }
 
-V3x16 extrapolate(const PackedRecord& record, std::span<const V3x16> weights, const Coverage16& c,
+V3x16 extrapolate(const PackedRecord& record, const Eigen::MatrixXf& weights, const Coverage16& c,
                   int order) {
   constexpr int kEntries = IncidentHarmonics::kEntries;
-  F16 sums[3 * kEntries] = {};
-  const float* column = record.harmonics->coefficients.data();
-  for (const V3x16& w : weights) {
-    for (int k = 0; k < kEntries; ++k) {
-      sums[k] += w.x * column[k];
-      sums[kEntries + k] += w.y * column[kEntries + k];
-      sums[2 * kEntries + k] += w.z * column[2 * kEntries + k];
-    }
-    column += 3 * kEntries;
-  }
   const F16 d1 = c.a * record.in_frame[0][0] + c.b * record.in_frame[1][0];
   const F16 d2 = c.a * record.in_frame[0][1] + c.b * record.in_frame[1][1];
-  const auto channel = [&](const F16* s) {
-    F16 v = s[0];
+  const auto channel = [&](int i) {
+    const Eigen::Matrix<float, kEntries, 1> s =
+        record.harmonics->coefficients.middleRows<kEntries>(kEntries * i) * weights.col(i);
+    F16 v = splat(s[0]);
     if (order >= 1) v += record.gradient_factor * (d1 * s[1] + d2 * s[2]);
     if (order >= 2)
       v += record.hessian_factor * (0.5f * d1 * d1 * s[3] + d1 * d2 * s[4] + 0.5f * d2 * d2 * s[5]);
     return max(v, 0.0f);
   };
-  return {channel(sums), channel(sums + kEntries), channel(sums + 2 * kEntries)};
+  return {channel(0), channel(1), channel(2)};
 }
 
 RadianceCache::RadianceCache(std::shared_ptr<const SceneCharts> charts, std::vector<RadianceRecord> records,

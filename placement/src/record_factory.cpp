@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/error.h"
 #include "placement/irradiance.h"
@@ -11,9 +12,20 @@
 namespace vrc {
 namespace {
 
-constexpr int kLeastOrder = 10, kMostOrder = 24;
-constexpr double kSmallAgainstSurroundings = 5.0;  // curvature times mean distance
-constexpr double kMostSaddle = 0.1;  // negative curvature over the positive one, of a convex surface
+constexpr int kLeastOrder = 8, kMostOrder = 24;
+// CPU time of a record of spherical harmonics over that of a Taylor record: the radiance that its class is
+// judged by, and the sums over the rays (bench/kernels).
+constexpr double kCostOfOrder = 0.0145;  // times order^2
+
+/// How many Taylor records, whose normals may turn by `theta_max`, one of spherical harmonics stands for
+/// within the record's ellipse.
+double records_replaced(const RadianceRecord& record, double theta_max) {
+  const Mat2 turn = record.site.point.shape_operator * half_axes(record.region, record.site.frame);
+  const auto along = [&](int axis) {
+    return std::clamp(turn.col(axis).norm(), theta_max, std::max(theta_max, kHarmonicsTurn)) / theta_max;
+  };
+  return along(0) * along(1);
+}
 
 /// |H| of a symmetric matrix: that with the absolute eigenvalues.
 Mat2 absolute(const Mat2& h) {
@@ -68,13 +80,12 @@ Jet2 all_incident(const IncidentHarmonics& incident) {
 }
 
 /// Luminance of outgoing radiance in all directions, the normal staying as it is.
-Jet2 all_outgoing(const IncidentHarmonics& incident, const BrdfHarmonics& brdf, const Frame& frame,
-                  const sh::FrameRotator& rotator) {
+Jet2 all_outgoing(const IncidentHarmonics& incident, const BrdfHarmonics& brdf, const Frame& frame) {
   const Frame to_surface = sh::transposed(frame);
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(incident.count(), IncidentHarmonics::kEntries);
   Eigen::MatrixXf local(incident.count(), IncidentHarmonics::kEntries);
   for (int c = 0; c < 3; ++c) {
-    rotator.rotate(to_surface, channel(incident, c), local);
+    brdf.rotator().rotate(to_surface, channel(incident, c), local);
     sum += kLuminance[c] * (brdf.matrix(c) * local).cast<double>();
   }
   return sum_over_coefficients(sum);
@@ -82,13 +93,15 @@ Jet2 all_outgoing(const IncidentHarmonics& incident, const BrdfHarmonics& brdf, 
 
 }  // namespace
 
+int harmonics_order_for(const Bsdf& bsdf) {
+  const double wanted = std::ceil(3.5 * std::sqrt(static_cast<double>(bsdf.sharpness())));
+  return std::clamp(static_cast<int>(std::min(wanted, 1e3)), kLeastOrder, kMostOrder);
+}
+
 int harmonics_order_for(const std::vector<Bsdf>& bsdfs) {
-  double sharpest = 0.0;
-  for (const Bsdf& bsdf : bsdfs) {
-    const auto exponent = static_cast<double>(bsdf.sharpness());
-    if (exponent <= kSharpestForHarmonics) sharpest = std::max(sharpest, exponent);
-  }
-  return std::clamp(static_cast<int>(std::ceil(2.5 * std::sqrt(sharpest))), kLeastOrder, kMostOrder);
+  int order = kLeastOrder;
+  for (const Bsdf& bsdf : bsdfs) order = std::max(order, harmonics_order_for(bsdf));
+  return order;
 }
 
 RecordFactory::RecordFactory(const SceneCharts& charts, const CacheOptions& options,
@@ -103,9 +116,16 @@ RecordFactory::RecordFactory(const SceneCharts& charts, const CacheOptions& opti
     if (!brdfs_) brdfs_ = std::make_shared<const BrdfHarmonicsSet>(bsdfs, 1);
     return;
   }
-  const int order = options.harmonics_order > 0 ? options.harmonics_order : harmonics_order_for(bsdfs);
-  gatherer_ = std::make_unique<const HarmonicsGatherer>(order);
-  if (!brdfs_) brdfs_ = std::make_shared<const BrdfHarmonicsSet>(bsdfs, order);
+  std::map<int, std::shared_ptr<const HarmonicsGatherer>> made;
+  std::vector<int> orders;
+  for (const Bsdf& bsdf : bsdfs) {
+    const int order = options.harmonics_order > 0 ? options.harmonics_order : harmonics_order_for(bsdf);
+    std::shared_ptr<const HarmonicsGatherer>& gatherer = made[order];
+    if (!gatherer) gatherer = std::make_shared<const HarmonicsGatherer>(order);
+    gatherers_.push_back(gatherer);
+    orders.push_back(order);
+  }
+  if (!brdfs_) brdfs_ = std::make_shared<const BrdfHarmonicsSet>(bsdfs, orders);
 }
 
 RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& gather, const NoiseGoal& goal,
@@ -158,12 +178,13 @@ std::shared_ptr<const RecordHarmonics> RecordFactory::gather_harmonics(const Rec
     return with_radiance(site, as_harmonics(irradiance, site.point.normal));
   }
   options.directions = directions_for(options_);
-  const auto result = with_radiance(site, gatherer_->gather(charts_.scene(), site, options, counts, hits));
+  const auto result = with_radiance(site, gatherers_[static_cast<std::size_t>(site.point.material)]->gather(
+                                              charts_.scene(), site, options, counts, hits));
   if (options_.strategy == Strategy::kViewIndependent)
     result->all_directions = all_incident(result->incident);
   if (options_.strategy == Strategy::kViewIndependentOutgoing) {
     const BrdfHarmonics& brdf = brdfs_->of(static_cast<std::size_t>(site.point.material));
-    result->all_directions = all_outgoing(result->incident, brdf, site.frame, brdfs_->rotator());
+    result->all_directions = all_outgoing(result->incident, brdf, site.frame);
   }
   return result;
 }
@@ -172,9 +193,9 @@ std::shared_ptr<RecordHarmonics> RecordFactory::with_radiance(const RecordSite& 
                                                               IncidentHarmonics incident) const {
   auto result = std::make_shared<RecordHarmonics>();
   result->incident = std::move(incident);
-  Eigen::MatrixXf weights(result->incident.count(), 3);
-  brdfs_->of(static_cast<std::size_t>(site.point.material))
-      .response(site.point.normal, site.to_camera.normalized(), weights);
+  const BrdfHarmonics& brdf = brdfs_->of(static_cast<std::size_t>(site.point.material));
+  Eigen::MatrixXf weights(brdf.count(), 3);
+  brdf.response(site.point.normal, site.to_camera.normalized(), weights);
   result->radiance = outgoing_radiance(result->incident, weights);
   result->luminance = luminance(result->radiance);
   return result;
@@ -183,14 +204,14 @@ std::shared_ptr<RecordHarmonics> RecordFactory::with_radiance(const RecordSite& 
 HarmonicsReason RecordFactory::reason_for(const RadianceRecord& record) const {
   if (options_.harmonics_rule == HarmonicsRule::kPaper)
     return record.curvature.needs_sh() ? HarmonicsReason::kTurns : HarmonicsReason::kNone;
-  const SurfacePoint& point = record.site.point;
-  const Vec2 principal = point.shape_operator.selfadjointView<Eigen::Lower>().eigenvalues();
-  const double curvature = principal.maxCoeff();
-  const bool convex = curvature > 0.0 && principal.minCoeff() > -kMostSaddle * curvature;
-  const bool small = curvature > kSmallAgainstSurroundings * record.estimate.hits.mean_inverse;
-  const Bsdf& bsdf = charts_.scene().bsdfs()[static_cast<std::size_t>(point.material)];
-  const bool dull = static_cast<double>(bsdf.sharpness()) <= kSharpestForHarmonics;
-  return convex && small && dull ? HarmonicsReason::kSmallConvex : HarmonicsReason::kNone;
+  // Where a number of records is wanted, theirs is the cost; else it is CPU time.
+  double cost = 1.0;
+  if (options_.records == 0) {
+    const int order = gatherers_[static_cast<std::size_t>(record.site.point.material)]->order();
+    cost = 2.0 + kCostOfOrder * order * order;
+  }
+  return records_replaced(record, options_.max_normal_deviation) > cost ? HarmonicsReason::kReplacesMany
+                                                                        : HarmonicsReason::kNone;
 }
 
 void RecordFactory::shape(RadianceRecord& record, const RegionRule& rule, const GatherOptions& gather,

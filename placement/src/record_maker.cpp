@@ -11,7 +11,6 @@ namespace {
 constexpr double kDarkShare = 0.2;            // of the mean luminance, in `perceived`
 constexpr double kMaximumPictureShare = 0.1;  // [Zhao 5]
 constexpr double kSteepWall = 0.5;            // sine of the least angle between surface and wall
-constexpr double kHarmonicsTurn = 0.5;        // largest angle of normals across a record of harmonics [rad]
 constexpr double kAlongCrease = 6.0;          // times the nearest hit: along the crease of a wall
 
 /// The same surface half a pixel farther from the nearest hit; nothing when the surface ends there.
@@ -43,14 +42,6 @@ struct Limits {
 Limits limits_for(double gradient_change, double hessian_change, double limit) {
   return {gradient_change > limit ? limit / gradient_change : 1.0,
           hessian_change > limit ? limit / hessian_change : 1.0};
-}
-
-/// The half axes of a region in the frame of its record's derivatives, as columns.
-Mat2 half_axes(const ValidRegion& region, const Frame& frame) {
-  Mat2 half;
-  half.col(0) = region.radius1 * Vec2(region.axis1.dot(frame.tangent), region.axis1.dot(frame.bitangent));
-  half.col(1) = region.radius2 * Vec2(region.axis2.dot(frame.tangent), region.axis2.dot(frame.bitangent));
-  return half;
 }
 
 /// Changes of a jet over the region by its two orders.
@@ -102,6 +93,13 @@ RegionAxes within_nearest_hit(const RegionAxes& axes, const RadianceRecord& reco
 }
 
 }  // namespace
+
+Mat2 half_axes(const ValidRegion& region, const Frame& frame) {
+  Mat2 half;
+  half.col(0) = region.radius1 * Vec2(region.axis1.dot(frame.tangent), region.axis1.dot(frame.bitangent));
+  half.col(1) = region.radius2 * Vec2(region.axis2.dot(frame.tangent), region.axis2.dot(frame.bitangent));
+  return half;
+}
 
 double perceived(double value, double mean_luminance) {
   return std::sqrt(value * value + kDarkShare * kDarkShare * mean_luminance * mean_luminance);

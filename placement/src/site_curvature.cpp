@@ -6,6 +6,7 @@
 #include <array>
 
 #include "placement/record.h"
+#include "placement/record_maker.h"
 #include "placement/surface_reach.h"
 
 namespace vrc {
@@ -15,12 +16,7 @@ constexpr double kFlatTurn = 1e-6;  // [rad]
 
 /// sigma_max(S A): the turn of the normal over the ellipse to first order.
 double ellipse_deviation(const RadianceRecord& record) {
-  const Frame& frame = record.site.frame;
-  const ValidRegion& r = record.region;
-  Mat2 axes;
-  axes.col(0) = r.radius1 * Vec2(r.axis1.dot(frame.tangent), r.axis1.dot(frame.bitangent));
-  axes.col(1) = r.radius2 * Vec2(r.axis2.dot(frame.tangent), r.axis2.dot(frame.bitangent));
-  const Mat2 turn = record.site.point.shape_operator * axes;
+  const Mat2 turn = record.site.point.shape_operator * half_axes(record.region, record.site.frame);
   return turn.jacobiSvd().singularValues()[0];
 }
 

@@ -12,6 +12,15 @@ struct WeightedSum {
   F16 weight{};
 };
 
+V3x16 from_harmonics(const PackedRecord& record, const Coverage16& c, int order, PacketResponse& response) {
+  V3x16 result{};
+  for (const PacketResponse::Group& group : response.groups()) {
+    const I16 wanted = group.lanes & (c.weight > 0.0f);
+    if (any(wanted)) result = select(wanted, extrapolate(record, group.weights, c, order), result);
+  }
+  return result;
+}
+
 WeightedSum blend_records(const TileRecords& records, std::size_t packet, int order, double support,
                           PacketResponse& response) {
   WeightedSum sum;
@@ -20,7 +29,7 @@ WeightedSum blend_records(const TileRecords& records, std::size_t packet, int or
     const F16 distance = sqrt(c.a * c.a + c.b * c.b);
     const F16 inward = min(static_cast<float>(kBlendSupport) / max(distance, 1e-20f), 1.0f);
     const Coverage16 limited = {c.a * inward, c.b * inward, c.weight};
-    const V3x16 value = record.harmonics != nullptr ? extrapolate(record, response.weights(), limited, order)
+    const V3x16 value = record.harmonics != nullptr ? from_harmonics(record, limited, order, response)
                                                     : extrapolate(record, limited, order);
     sum.radiance += select(c.weight > 0.0f, value * c.weight, V3x16{});
     sum.weight += c.weight;

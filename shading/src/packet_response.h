@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <span>
+#include <vector>
 
 #include "transport/brdf_harmonics.h"
 #include "transport/scene.h"
@@ -13,12 +13,17 @@ namespace vrc {
 /// than the harmonics resolve share those of their mean.
 class PacketResponse {
  public:
+  struct Group {
+    I16 lanes{};
+    Eigen::MatrixXf weights;  ///< BrdfHarmonics::response.
+  };
+
   /// `to_viewer` are unit. All must outlive it; `brdfs` may be null if nobody asks.
   PacketResponse(const BrdfHarmonicsSet* brdfs, const SurfacePoint16& points, const V3x16& to_viewer)
       : brdfs_(brdfs), points_(points), to_viewer_(to_viewer) {}
 
-  /// Entry j: weights of coefficient j per channel; 0 in lanes that do not scatter.
-  [[nodiscard]] std::span<const V3x16> weights();
+  /// Together all lanes that scatter. Valid until another packet's are asked for in this thread.
+  [[nodiscard]] std::span<const Group> groups();
 
  private:
   void compute();
@@ -26,7 +31,7 @@ class PacketResponse {
   const BrdfHarmonicsSet* brdfs_;
   const SurfacePoint16& points_;
   const V3x16& to_viewer_;
-  std::span<const V3x16> weights_;
+  std::span<const Group> groups_;
 };
 
 }  // namespace vrc

@@ -171,7 +171,7 @@ TEST(RecordEllipses, NameTheirRecordsAndMarkTheirClass) {
   triangle.triangles = {{0, 1, 2}};
   const std::vector<EllipseTessellation> ellipses{triangle, triangle};
   auto records = two_records();
-  records[0].harmonics_reason = HarmonicsReason::kSmallConvex;
+  records[0].harmonics_reason = HarmonicsReason::kReplacesMany;
   write_surface(folder / "e.ply", record_ellipses(records, ellipses));
   const test::ExportedPly ply = test::read_exported_ply(folder / "e.ply");
   ASSERT_EQ(ply.vertices.size(), 6u);

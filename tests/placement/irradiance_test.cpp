@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "placement/surface_differences.h"
 #include "placement_support.h"
 #include "transport/brdf_harmonics.h"
 
@@ -52,7 +53,7 @@ TEST_F(Irradiance, ChangesAsFiniteDifferencesSay) {
     const auto value_at = [&](const Vec2& d) {
       double sum = 0.0;
       for (std::uint64_t k = 0; k < 4; ++k) {
-        RecordSite moved = test::displaced(scene_, site, d);
+        RecordSite moved = displaced_site(scene_, site, d).value();
         moved.key = 77 + k;
         sum += luminance(Vec3(gather(moved, IrradianceDerivatives::kTriangles, 16).irradiance[0].value,
                               gather(moved, IrradianceDerivatives::kTriangles, 16).irradiance[1].value,

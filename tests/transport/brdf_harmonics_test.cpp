@@ -172,7 +172,7 @@ TEST(BrdfHarmonics, MatrixAgreesWithTheResponseInOpenDirections) {
     // Outgoing radiance ends at the horizon, where its harmonics ring.
     for (double polar = 0.0; polar < 1.1; polar += 0.1) {
       const Vec3 wo = at_angle(Frame{}, polar, 3.0 * polar);
-      set.basis().evaluate(wo, y);
+      sh::evaluate(kOrder, wo, y);
       set.of(m).response(Vec3::UnitZ(), wo, weights);
       const double exact = static_cast<double>(weights.col(0).dot(incident));
       error += std::pow(Eigen::Map<const Eigen::VectorXd>(y.data(), count).dot(outgoing) - exact, 2);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/error.h"
 #include "core/sobol.h"
 #include "sh/projection.h"
 #include "sh/quadrature.h"
@@ -13,7 +14,7 @@ namespace vrc {
 namespace {
 
 constexpr int kAngles = 65;        // outgoing polar angles of a table
-constexpr int kLog2Samples = 13;   // of each
+constexpr int kLog2Samples = 11;   // of each
 constexpr double kGrazing = 1e-3;  // cosine of the last: lobes are 0 below the surface
 
 double cosine_of_entry(int i) { return std::max(std::cos(0.5 * kPi * i / (kAngles - 1)), kGrazing); }
@@ -74,17 +75,22 @@ Eigen::MatrixXf project_lobe(const Lobe& lobe, const Vec3& outgoing, const Frame
 }  // namespace
 
 LobeHarmonics::LobeHarmonics(const Lobe& lobe, const sh::Basis& basis)
-    : lobe_(lobe), channels_(is_colored(lobe) ? 3 : 1), table_(kAngles) {
+    : lobe_(lobe), channels_(is_colored(lobe) ? 3 : 1) {
   std::visit([](auto& l) { l.reflectance = Rgb::Ones(); }, lobe_);
-  for (int i = 0; i < kAngles; ++i) {
+  // Lambert's does not depend on the angle.
+  const int angles = std::holds_alternative<LambertLobe>(lobe) ? 1 : kAngles;
+  for (int i = 0; i < angles; ++i) {
     const double cosine = cosine_of_entry(i);
     const Vec3 outgoing(std::sqrt(1.0 - cosine * cosine), 0.0, cosine);
-    table_[static_cast<std::size_t>(i)] =
-        project_lobe(lobe_, outgoing, frame(Vec3::UnitZ(), outgoing), basis, channels_);
+    table_.push_back(project_lobe(lobe_, outgoing, frame(Vec3::UnitZ(), outgoing), basis, channels_));
   }
 }
 
 void LobeHarmonics::response(double cos_o, Eigen::MatrixXf& result) const {
+  if (table_.size() == 1) {
+    result = table_.front();
+    return;
+  }
   const double place = std::acos(std::clamp(cos_o, 0.0, 1.0)) * (2.0 / kPi) * (kAngles - 1);
   const int i = std::min(static_cast<int>(place), kAngles - 2);
   const auto t = static_cast<float>(place - i);
@@ -154,25 +160,29 @@ void BrdfHarmonics::make_matrices() const {
   }
 }
 
-BrdfHarmonicsSet::BrdfHarmonicsSet(const std::vector<Bsdf>& bsdfs, int order)
-    : bsdfs_(bsdfs), basis_(order), rotator_(order), entries_(bsdfs.size()) {}
+BrdfHarmonicsSet::BrdfHarmonicsSet(const std::vector<Bsdf>& bsdfs, std::span<const int> orders)
+    : bsdfs_(bsdfs), entries_(bsdfs.size()) {
+  VRC_CHECK(orders.size() == bsdfs.size(), "{} orders of {} BRDFs", orders.size(), bsdfs.size());
+  for (const int order : orders) tools_of_.push_back(&tools_.try_emplace(order, order).first->second);
+}
 
 const BrdfHarmonics& BrdfHarmonicsSet::of(std::size_t material) const {
   Entry& entry = entries_[material];
-  std::call_once(entry.made, [&] { entry.brdf = make(bsdfs_[material]); });
+  std::call_once(entry.made, [&] { entry.brdf = make(bsdfs_[material], *tools_of_[material]); });
   return *entry.brdf;
 }
 
-std::unique_ptr<const BrdfHarmonics> BrdfHarmonicsSet::make(const Bsdf& bsdf) const {
-  const std::lock_guard lock(sharing_);
+std::unique_ptr<const BrdfHarmonics> BrdfHarmonicsSet::make(const Bsdf& bsdf, const Tools& tools) {
+  const std::lock_guard lock(tools.making);
   std::vector<BrdfHarmonics::Part> parts;
   for (const Lobe& lobe : bsdf.lobes) {
-    auto found = std::ranges::find_if(lobes_, [&](const auto& l) { return same_shape(l->lobe(), lobe); });
-    if (found == lobes_.end())
-      found = lobes_.insert(found, std::make_shared<const LobeHarmonics>(lobe, basis_));
+    auto found =
+        std::ranges::find_if(tools.lobes, [&](const auto& l) { return same_shape(l->lobe(), lobe); });
+    if (found == tools.lobes.end())
+      found = tools.lobes.insert(found, std::make_shared<const LobeHarmonics>(lobe, tools.basis));
     parts.push_back({std::visit([](const auto& l) { return l.reflectance; }, lobe), *found});
   }
-  return std::make_unique<const BrdfHarmonics>(std::move(parts), rotator_);
+  return std::make_unique<const BrdfHarmonics>(std::move(parts), tools.rotator);
 }
 
 }  // namespace vrc

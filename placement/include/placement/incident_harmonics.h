@@ -15,10 +15,10 @@ namespace vrc {
 /// over its surface: the SH vector Lambda_i of [Zhao 4.2] with its gradients and Hessians (4.3.3).
 struct IncidentHarmonics {
   static constexpr int kEntries = 6;  ///< Per channel: value, d1, d2, d11, d12, d22.
-  /// Column j belongs to coefficient j in world axes; row kEntries c + k to entry k of channel c.
-  /// Derivatives are along the tangent and bitangent of the record's frame, the surface bending away
-  /// from them as `followed_shape_operator` says.
-  Eigen::Matrix<float, 3 * kEntries, Eigen::Dynamic> coefficients;
+  /// Column j belongs to coefficient j in world axes; row kEntries c + k, contiguous, to entry k of channel
+  /// c. Derivatives are along the tangent and bitangent of the record's frame, the surface bending away from
+  /// them as `followed_shape_operator` says.
+  Eigen::Matrix<float, 3 * kEntries, Eigen::Dynamic, Eigen::RowMajor> coefficients;
 
   [[nodiscard]] int count() const { return static_cast<int>(coefficients.cols()); }
 };

@@ -44,9 +44,9 @@ struct Coverage16 {
 /// The Taylor polynomial of [Zhao eq. 13].
 [[nodiscard]] V3x16 extrapolate(const PackedRecord& record, const Coverage16& c, int order);
 
-/// The same of the coefficients of a record with harmonics, and what a BRDF reflects of the result.
-/// `weights` (BrdfHarmonics::response of each lane) has an entry for each coefficient.
-[[nodiscard]] V3x16 extrapolate(const PackedRecord& record, std::span<const V3x16> weights,
+/// The same of the coefficients of a record with harmonics, and what a BRDF reflects of the result: `weights`
+/// are BrdfHarmonics::response, for all lanes.
+[[nodiscard]] V3x16 extrapolate(const PackedRecord& record, const Eigen::MatrixXf& weights,
                                 const Coverage16& c, int order);
 
 /// Records registered in all charts that they reach over the surface, and looked up there. Immutable.

@@ -19,14 +19,14 @@ namespace vrc {
 
 /// Why a record holds spherical harmonics.
 enum class HarmonicsReason : std::uint8_t {
-  kNone,         ///< It does not.
-  kAlways,       ///< All records do (Representation::kHarmonics).
-  kTurns,        ///< The normal turns by more than theta_max within its ellipse.
-  kSmallConvex,  ///< The surface is convex and small against the distance of what it sees.
+  kNone,          ///< It does not.
+  kAlways,        ///< All records do (Representation::kHarmonics).
+  kTurns,         ///< The normal turns by more than theta_max within its ellipse.
+  kReplacesMany,  ///< It stands for more Taylor records than it costs.
 };
 inline constexpr std::size_t kHarmonicsReasons = 4;
 
-/// "none", "always", "turns", "small-convex".
+/// "none", "always", "turns", "replaces-many".
 [[nodiscard]] std::string_view name_of(HarmonicsReason reason);
 
 /// Incident radiance at a record, and the outgoing radiance that the record's BRDF makes of it.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "placement/cache_options.h"
 #include "placement/record_maker.h"
@@ -44,15 +45,15 @@ class RecordFactory {
 
   const SceneCharts& charts_;
   const CacheOptions& options_;
-  std::unique_ptr<const HarmonicsGatherer> gatherer_;
+  /// Those of the orders that the materials ask for; none when no record can hold harmonics.
+  std::vector<std::shared_ptr<const HarmonicsGatherer>> gatherers_;  ///< Per material.
   std::shared_ptr<const BrdfHarmonicsSet> brdfs_;
 };
 
-/// Order that resolves the sharpest lobe for which spherical harmonics pay, in [10, 24]: 2.5 sqrt(N) for
-/// a Phong exponent N up to kSharpestForHarmonics.
+/// Order that resolves a BRDF's sharpest lobe, of Phong exponent N: 3.5 sqrt(N), in [8, 24]. With
+/// 2.5 sqrt(N) the truncated rest is still 1e-2 of the radiance's square (docs/decisions/007).
+[[nodiscard]] int harmonics_order_for(const Bsdf& bsdf);
+/// The largest of a scene.
 [[nodiscard]] int harmonics_order_for(const std::vector<Bsdf>& bsdfs);
-
-/// Beyond this Phong exponent Taylor records were always better.
-inline constexpr double kSharpestForHarmonics = 100.0;
 
 }  // namespace vrc

@@ -17,6 +17,12 @@ struct RegionRule {
   double uniform_radius = 0.0;  ///< PlacementMetric::kUniform: radius in picture widths.
 };
 
+/// Largest angle of normals across a record of spherical harmonics. [rad]
+inline constexpr double kHarmonicsTurn = 0.5;
+
+/// The half axes of a region in a record's frame, as columns.
+[[nodiscard]] Mat2 half_axes(const ValidRegion& region, const Frame& frame);
+
 /// sqrt(L^2 + (0.2 mean)^2): the L of the relative error, kept away from 0 in the dark.
 [[nodiscard]] double perceived(double value, double mean_luminance);
 

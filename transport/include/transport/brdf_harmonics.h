@@ -2,8 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <vector>
 
 #include "core/frame.h"
@@ -52,7 +54,11 @@ class BrdfHarmonics {
   BrdfHarmonics(std::vector<Part> parts, const sh::FrameRotator& rotator)
       : parts_(std::move(parts)), rotator_(&rotator) {}
 
+  [[nodiscard]] int order() const { return rotator_->order(); }
+  [[nodiscard]] int count() const { return sh::coefficient_count(order()); }
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
+  /// Turns functions of its order.
+  [[nodiscard]] const sh::FrameRotator& rotator() const { return *rotator_; }
 
   /// Weights per channel for radiance in world axes: coefficient_count(order) x 3. `normal` and
   /// `outgoing` are unit; 0 when the outgoing direction is below the surface.
@@ -72,16 +78,16 @@ class BrdfHarmonics {
   mutable Eigen::MatrixXf matrices_[3];
 };
 
-/// The BRDFs of a scene in spherical harmonics of one order, each made when it is first asked for; equal
-/// lobes are made once. Thread-safe; what it returns lives as long as it does.
+/// The BRDFs of a scene in spherical harmonics, each made when it is first asked for; equal lobes of one
+/// order are made once. Thread-safe; what it returns lives as long as it does.
 class BrdfHarmonicsSet {
  public:
-  /// 0 <= order <= sh::kMaxFrameOrder. `bsdfs` must outlive the set.
-  BrdfHarmonicsSet(const std::vector<Bsdf>& bsdfs, int order);
+  /// One order for each BRDF, in [0, sh::kMaxFrameOrder]. `bsdfs` must outlive the set.
+  BrdfHarmonicsSet(const std::vector<Bsdf>& bsdfs, std::span<const int> orders);
+  /// The same order for all.
+  BrdfHarmonicsSet(const std::vector<Bsdf>& bsdfs, int order)
+      : BrdfHarmonicsSet(bsdfs, std::vector<int>(bsdfs.size(), order)) {}
 
-  [[nodiscard]] int order() const { return basis_.order(); }
-  [[nodiscard]] const sh::Basis& basis() const { return basis_; }
-  [[nodiscard]] const sh::FrameRotator& rotator() const { return rotator_; }
   [[nodiscard]] const BrdfHarmonics& of(std::size_t material) const;
 
  private:
@@ -89,14 +95,21 @@ class BrdfHarmonicsSet {
     std::once_flag made;
     std::unique_ptr<const BrdfHarmonics> brdf;
   };
-  [[nodiscard]] std::unique_ptr<const BrdfHarmonics> make(const Bsdf& bsdf) const;
+  /// What BRDFs of one order share.
+  struct Tools {
+    sh::Basis basis;
+    sh::FrameRotator rotator;
+    mutable std::mutex making;
+    mutable std::vector<std::shared_ptr<const LobeHarmonics>> lobes;
+
+    explicit Tools(int order) : basis(order), rotator(order) {}
+  };
+  [[nodiscard]] static std::unique_ptr<const BrdfHarmonics> make(const Bsdf& bsdf, const Tools& tools);
 
   const std::vector<Bsdf>& bsdfs_;
-  sh::Basis basis_;
-  sh::FrameRotator rotator_;
-  mutable std::vector<Entry> entries_;  ///< Per material.
-  mutable std::mutex sharing_;
-  mutable std::vector<std::shared_ptr<const LobeHarmonics>> lobes_;
+  std::map<int, Tools> tools_;          ///< By order.
+  std::vector<const Tools*> tools_of_;  ///< Per material.
+  mutable std::vector<Entry> entries_;
 };
 
 }  // namespace vrc
