@@ -153,11 +153,11 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
                   {"hybrid", Representation::kHybrid}},
                  "What records hold: radiance with derivatives, incident radiance in spherical harmonics, "
                  "or these where --sh-rule says so"));
-  group(add_choice(command, "--sh-rule", cache.harmonics_rule,
-                   {{"auto", HarmonicsRule::kAuto}, {"paper", HarmonicsRule::kPaper}},
-                   "Spherical harmonics of a hybrid cache: where they save more records than they cost, or "
-                   "wherever the normal "
-                   "turns by more than --max-normal-deviation in a record"));
+  group(add_choice(
+      command, "--sh-rule", cache.harmonics_rule,
+      {{"auto", HarmonicsRule::kAuto}, {"paper", HarmonicsRule::kPaper}},
+      "Spherical harmonics of a hybrid cache: where they were measured to be better (edges narrower "
+      "than a pixel, few --records), or wherever normals turn by more than --max-normal-deviation"));
   group(add_choice(command, "--sh-rays", cache.harmonics_rays,
                    {{"auto", HarmonicsRays::kAuto},
                     {"uniform", HarmonicsRays::kUniform},

@@ -153,12 +153,21 @@ void set_triangle_derivatives(const CellGrid& grid, double far, IrradianceEstima
       sum[c].hessian += kPi * step[static_cast<Eigen::Index>(c)] * edge.hessian;
     }
   };
-  // The horizon does not move: edges on the border of the grid are left out.
-  for (int r = 0; r + 1 < grid.rows; ++r) {
-    for (int c = 0; c + 1 < grid.columns; ++c) {
-      add_edge(index(r, c), index(r + 1, c + 1), second(r, c), first(r, c));
-      if (c > 0) add_edge(index(r, c), index(r + 1, c), first(r, c), second(r, c - 1));
-      if (r > 0) add_edge(index(r, c), index(r, c + 1), first(r - 1, c), second(r, c));
+  // Each edge once, between the triangles on its left and on its right; beyond the grid it is dark. Its
+  // border is next to the horizon, where edges hardly count, but they complete the outlines of triangles.
+  const Rgb64 dark = Rgb64::Zero();
+  for (int r = 0; r < grid.rows; ++r) {
+    for (int c = 0; c < grid.columns; ++c) {
+      const bool more_rows = r + 1 < grid.rows, more_columns = c + 1 < grid.columns;
+      if (more_rows && more_columns) add_edge(index(r, c), index(r + 1, c + 1), second(r, c), first(r, c));
+      if (more_rows) {
+        add_edge(index(r, c), index(r + 1, c), more_columns ? first(r, c) : dark,
+                 c > 0 ? second(r, c - 1) : dark);
+      }
+      if (more_columns) {
+        add_edge(index(r, c), index(r, c + 1), r > 0 ? first(r - 1, c) : dark,
+                 more_rows ? second(r, c) : dark);
+      }
     }
   }
 }

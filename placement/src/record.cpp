@@ -7,7 +7,7 @@ namespace vrc {
 
 std::string_view name_of(HarmonicsReason reason) {
   constexpr std::array<std::string_view, kHarmonicsReasons> kNames = {"none", "always", "turns",
-                                                                      "replaces-many"};
+                                                                      "replaces-many", "narrow"};
   return kNames[static_cast<std::size_t>(reason)];
 }
 

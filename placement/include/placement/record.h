@@ -23,10 +23,11 @@ enum class HarmonicsReason : std::uint8_t {
   kAlways,        ///< All records do (Representation::kHarmonics).
   kTurns,         ///< The normal turns by more than theta_max within its ellipse.
   kReplacesMany,  ///< It stands for more Taylor records than it costs.
+  kNarrow,        ///< A Taylor record would be narrower than a pixel.
 };
-inline constexpr std::size_t kHarmonicsReasons = 4;
+inline constexpr std::size_t kHarmonicsReasons = 5;
 
-/// "none", "always", "turns", "replaces-many".
+/// "none", "always", "turns", "replaces-many", "narrow".
 [[nodiscard]] std::string_view name_of(HarmonicsReason reason);
 
 /// Incident radiance at a record, and the outgoing radiance that the record's BRDF makes of it.
