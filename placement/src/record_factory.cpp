@@ -16,14 +16,13 @@ constexpr int kLeastOrder = 8, kMostOrder = 24;
 // CPU time of a record of spherical harmonics over that of a Taylor record: the radiance that its class is
 // judged by, and the sums over the rays (bench/kernels).
 constexpr double kCostOfOrder = 0.0145;  // times order^2
-constexpr double kNarrowPixels = 1.0;    // that a Taylor record should span at least
+constexpr double kNarrowRadius = 1.7;    // of curvature, in pixels, at which no Taylor record fits an edge
 
-/// Whether a Taylor record, whose normals may turn by `theta_max`, would be narrower than a pixel: there
-/// more of them do not help.
-bool is_narrow(const RecordSite& site, double theta_max) {
-  const double curvature =
-      site.point.shape_operator.selfadjointView<Eigen::Lower>().eigenvalues().cwiseAbs().maxCoeff();
-  return kNarrowPixels * site.pixel_length * curvature > theta_max;
+/// Whether the surface is an edge so narrow that Taylor records, which are no smaller than a pixel, do not
+/// fit it, however many there are.
+bool is_narrow(const RecordSite& site) {
+  const Vec2 principal = site.point.shape_operator.selfadjointView<Eigen::Lower>().eigenvalues();
+  return kNarrowRadius * site.pixel_length * principal.cwiseAbs().maxCoeff() > 1.0;
 }
 
 /// How many Taylor records, whose normals may turn by `theta_max`, one of spherical harmonics stands for
@@ -213,8 +212,7 @@ std::shared_ptr<RecordHarmonics> RecordFactory::with_radiance(const RecordSite& 
 HarmonicsReason RecordFactory::reason_for(const RadianceRecord& record) const {
   if (options_.harmonics_rule == HarmonicsRule::kPaper)
     return record.curvature.needs_sh() ? HarmonicsReason::kTurns : HarmonicsReason::kNone;
-  if (record.curvature.needs_sh() && is_narrow(record.site, options_.max_normal_deviation))
-    return HarmonicsReason::kNarrow;
+  if (record.curvature.needs_sh() && is_narrow(record.site)) return HarmonicsReason::kNarrow;
   // Where a number of records is wanted, theirs is the cost; else it is CPU time.
   double cost = 1.0;
   if (options_.records == 0) {

@@ -23,7 +23,7 @@ enum class HarmonicsReason : std::uint8_t {
   kAlways,        ///< All records do (Representation::kHarmonics).
   kTurns,         ///< The normal turns by more than theta_max within its ellipse.
   kReplacesMany,  ///< It stands for more Taylor records than it costs.
-  kNarrow,        ///< A Taylor record would be narrower than a pixel.
+  kNarrow,        ///< Its normals turn as above on an edge as narrow as a pixel.
 };
 inline constexpr std::size_t kHarmonicsReasons = 5;
 
