@@ -97,6 +97,20 @@ TEST(RecordFactory, GivesHarmonicsWhereTheySaveRecords) {
   options.records = 0;
   options.harmonics_order = 24;
   EXPECT_EQ(reason_at(1e-4), HarmonicsReason::kNone) << "too dear for what they replace";
+  options.harmonics_order = 28;  // dearer than all that a record could replace
+  RecordSite far_site = site;
+  const auto narrow_at = [&](double error) {
+    options.error = error;
+    const RecordFactory factory(charts, options);
+    RadianceRecord record = factory.make(far_site, gather_options(), {}, counts);
+    rule.epsilon = 1e-4;
+    factory.shape(record, rule, gather_options(), counts);
+    return record.harmonics_reason;
+  };
+  // As if seen from so far that its radius is a pixel.
+  far_site.pixel_length = 1.0 / site.point.shape_operator.norm();
+  EXPECT_EQ(narrow_at(0.05), HarmonicsReason::kNarrow);
+  EXPECT_EQ(narrow_at(0.3), HarmonicsReason::kNone) << "not worth it in a coarse picture";
   options.harmonics_rule = HarmonicsRule::kPaper;
   EXPECT_EQ(reason_at(1e-1), HarmonicsReason::kTurns);
 }
