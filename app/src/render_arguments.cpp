@@ -148,11 +148,11 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
                  "of all directions"));
   CLI::Option* representation = group(
       add_choice(command, "--representation", cache.representation,
-                 {{"analytic", Representation::kAnalytic},
-                  {"sh", Representation::kHarmonics},
-                  {"hybrid", Representation::kHybrid}},
+                 {{"hybrid", Representation::kHybrid},
+                  {"analytic", Representation::kAnalytic},
+                  {"sh", Representation::kHarmonics}},
                  "What records hold: radiance with derivatives, incident radiance in spherical harmonics, "
-                 "or these where --sh-rule says so"));
+                 "or the first, and the second where --sh-rule says so"));
   group(add_choice(
       command, "--sh-rule", cache.harmonics_rule,
       {{"auto", HarmonicsRule::kAuto}, {"paper", HarmonicsRule::kPaper}},
