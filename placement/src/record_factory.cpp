@@ -16,7 +16,6 @@ constexpr int kLeastOrder = 8, kMostOrder = 24;
 // CPU time of a record of spherical harmonics over that of a Taylor record: the radiance that its class is
 // judged by, and the sums over the rays (bench/kernels).
 constexpr double kCostOfOrder = 0.0145;  // times order^2
-constexpr double kCoarseError = 0.12;    // accepted, beyond which narrow edges are not worth their cost
 constexpr double kNarrowRadius = 1.7;    // of curvature, in pixels, at which no Taylor record fits an edge
 
 /// Whether the surface is an edge so narrow that Taylor records, which are no smaller than a pixel, do not
@@ -213,8 +212,7 @@ std::shared_ptr<RecordHarmonics> RecordFactory::with_radiance(const RecordSite& 
 HarmonicsReason RecordFactory::reason_for(const RadianceRecord& record) const {
   if (options_.harmonics_rule == HarmonicsRule::kPaper)
     return record.curvature.needs_sh() ? HarmonicsReason::kTurns : HarmonicsReason::kNone;
-  const bool fine = options_.records > 0 || options_.error <= kCoarseError;
-  if (fine && record.curvature.needs_sh() && is_narrow(record.site)) return HarmonicsReason::kNarrow;
+  if (record.curvature.needs_sh() && is_narrow(record.site)) return HarmonicsReason::kNarrow;
   // Where a number of records is wanted, theirs is the cost; else it is CPU time.
   double cost = 1.0;
   if (options_.records == 0) {

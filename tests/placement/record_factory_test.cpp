@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+
 #include "placement_support.h"
 
 namespace vrc {
@@ -98,19 +100,19 @@ TEST(RecordFactory, GivesHarmonicsWhereTheySaveRecords) {
   options.harmonics_order = 24;
   EXPECT_EQ(reason_at(1e-4), HarmonicsReason::kNone) << "too dear for what they replace";
   options.harmonics_order = 28;  // dearer than all that a record could replace
-  RecordSite far_site = site;
-  const auto narrow_at = [&](double error) {
-    options.error = error;
+  const auto reason_from = [&](double radii_per_pixel) {
+    RecordSite far_site = site;
+    far_site.pixel_length =
+        radii_per_pixel /
+        site.point.shape_operator.selfadjointView<Eigen::Lower>().eigenvalues().cwiseAbs().maxCoeff();
     const RecordFactory factory(charts, options);
     RadianceRecord record = factory.make(far_site, gather_options(), {}, counts);
     rule.epsilon = 1e-4;
     factory.shape(record, rule, gather_options(), counts);
     return record.harmonics_reason;
   };
-  // As if seen from so far that its radius is a pixel.
-  far_site.pixel_length = 1.0 / site.point.shape_operator.norm();
-  EXPECT_EQ(narrow_at(0.05), HarmonicsReason::kNarrow);
-  EXPECT_EQ(narrow_at(0.3), HarmonicsReason::kNone) << "not worth it in a coarse picture";
+  EXPECT_EQ(reason_from(1.0), HarmonicsReason::kNarrow) << "seen from so far that its radius is a pixel";
+  EXPECT_EQ(reason_from(0.3), HarmonicsReason::kNone);
   options.harmonics_rule = HarmonicsRule::kPaper;
   EXPECT_EQ(reason_at(1e-1), HarmonicsReason::kTurns);
 }
