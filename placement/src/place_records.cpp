@@ -289,7 +289,8 @@ class Placement {
   void classify() {
     parallel_for(result_.records.size(), [&](std::size_t i) {
       RadianceRecord& record = result_.records[i];
-      if (options_.representation != Representation::kHybrid)
+      // Those of a hybrid cache were classified by the ellipse that they had as Taylor records.
+      if (options_.representation != Representation::kHybrid || !record.uses_harmonics())
         record.curvature = classify_site(*charts_, record, options_.max_normal_deviation);
     });
   }

@@ -212,7 +212,7 @@ std::shared_ptr<RecordHarmonics> RecordFactory::with_radiance(const RecordSite& 
 HarmonicsReason RecordFactory::reason_for(const RadianceRecord& record) const {
   if (options_.harmonics_rule == HarmonicsRule::kPaper)
     return record.curvature.needs_sh() ? HarmonicsReason::kTurns : HarmonicsReason::kNone;
-  if (record.curvature.needs_sh() && is_narrow(record.site)) return HarmonicsReason::kNarrow;
+  if (is_narrow(record.site) && record.curvature.needs_sh()) return HarmonicsReason::kNarrow;
   // Where a number of records is wanted, theirs is the cost; else it is CPU time.
   double cost = 1.0;
   if (options_.records == 0) {
@@ -228,10 +228,16 @@ void RecordFactory::shape(RadianceRecord& record, const RegionRule& rule, const 
   if (options_.representation == Representation::kHybrid) record.harmonics_reason = HarmonicsReason::kNone;
   shape_record(record, rule);
   if (options_.representation != Representation::kHybrid) return;
-  // By the ellipse that the record would have with Taylor polynomials.
-  record.curvature = classify_site(charts_, record, options_.max_normal_deviation);
+  // By the ellipse that the record would have with Taylor polynomials. The class takes a walk over the
+  // surface: sites where it decides nothing get theirs once, when all records are made.
+  const auto classify = [&] {
+    record.curvature = classify_site(charts_, record, options_.max_normal_deviation);
+  };
+  const bool class_decides = options_.harmonics_rule == HarmonicsRule::kPaper || is_narrow(record.site);
+  if (class_decides) classify();
   record.harmonics_reason = reason_for(record);
   if (!record.uses_harmonics()) return;
+  if (!class_decides) classify();
   if (!record.harmonics) {
     HitDistances hits;
     record.harmonics = gather_harmonics(record.site, gather, counts, hits);
