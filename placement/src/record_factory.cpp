@@ -17,6 +17,10 @@ constexpr int kLeastOrder = 8, kMostOrder = 24;
 // judged by, and the sums over the rays (bench/kernels).
 constexpr double kCostOfOrder = 0.0145;  // times order^2
 constexpr double kNarrowRadius = 1.7;    // of curvature, in pixels, at which no Taylor record fits an edge
+// Accepted errors up to which narrow edges get harmonics: in coarser pictures a record there covers more
+// than it knows. Less where the order leaves a part of the lobe out, which takes 3 sqrt(exponent).
+constexpr double kNarrowUpTo = 0.2, kNarrowUpToTruncated = 0.1;
+constexpr double kResolvedOrder = 3.0;
 
 /// Whether the surface is an edge so narrow that Taylor records, which are no smaller than a pixel, do not
 /// fit it, however many there are.
@@ -212,13 +216,14 @@ std::shared_ptr<RecordHarmonics> RecordFactory::with_radiance(const RecordSite& 
 HarmonicsReason RecordFactory::reason_for(const RadianceRecord& record) const {
   if (options_.harmonics_rule == HarmonicsRule::kPaper)
     return record.curvature.needs_sh() ? HarmonicsReason::kTurns : HarmonicsReason::kNone;
-  if (is_narrow(record.site) && record.curvature.needs_sh()) return HarmonicsReason::kNarrow;
+  const auto material = static_cast<std::size_t>(record.site.point.material);
+  const int order = gatherers_[material]->order();
+  const double sharpness = charts_.scene().bsdfs()[material].sharpness();
+  const bool resolved = order >= kResolvedOrder * std::sqrt(sharpness);
+  const bool fine = options_.records > 0 || options_.error <= (resolved ? kNarrowUpTo : kNarrowUpToTruncated);
+  if (fine && is_narrow(record.site) && record.curvature.needs_sh()) return HarmonicsReason::kNarrow;
   // Where a number of records is wanted, theirs is the cost; else it is CPU time.
-  double cost = 1.0;
-  if (options_.records == 0) {
-    const int order = gatherers_[static_cast<std::size_t>(record.site.point.material)]->order();
-    cost = 2.0 + kCostOfOrder * order * order;
-  }
+  const double cost = options_.records > 0 ? 1.0 : 2.0 + kCostOfOrder * order * order;
   return records_replaced(record, options_.max_normal_deviation) > cost ? HarmonicsReason::kReplacesMany
                                                                         : HarmonicsReason::kNone;
 }
