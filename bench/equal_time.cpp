@@ -26,6 +26,7 @@ struct Settings : PictureSettings {
   std::vector<std::string> samplers = {"image"};
   int gather_rays = 0;
   bool cache_only = false;
+  bool guided = true;
   std::string json_file;
 
   Settings() {
@@ -90,6 +91,7 @@ struct CacheSetting {
 std::vector<CacheSetting> cache_settings(const Settings& settings) {
   CacheOptions base;
   base.gather_rays = settings.gather_rays;
+  base.guided = settings.guided;
   std::vector<CacheSetting> result;
   for (const std::string& sampler : settings.samplers) {
     base.sampler = sampler == "surface" ? Sampler::kSurface : Sampler::kImage;
@@ -175,6 +177,8 @@ void declare_options(CLI::App& app, Settings& settings) {
       ->check(CLI::IsMember({"image", "surface"}));
   app.add_option("--gather-rays", settings.gather_rays, "Rays of a record; 0 chooses by sharpness")
       ->check(CLI::NonNegativeNumber);
+  app.add_flag_callback(
+      "--unguided", [&settings] { settings.guided = false; }, "Without guided gathers");
   app.add_option_function<std::string>(
          "--method-only", [&](const std::string&) { settings.cache_only = true; }, "Leave out path tracing")
       ->check(CLI::IsMember({"cache"}));

@@ -136,6 +136,9 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
   group(command.add_flag_callback(
       "--flat-derivatives", [&cache] { cache.total_derivative = cache.joint_weight = false; },
       "Derivatives and weights that do not know how surfaces bend, as in the paper"));
+  group(command.add_flag_callback(
+      "--unguided", [&cache] { cache.guided = false; },
+      "Send gather rays by the material alone, not where the rays of nearby records found light"));
   group(add_choice(command, "--sampler", cache.sampler,
                    {{"image", Sampler::kImage}, {"surface", Sampler::kSurface}},
                    "Place records by the picture's pixels, or around each other over the surfaces"));

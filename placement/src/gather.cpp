@@ -15,6 +15,13 @@ double batch_variance(F16 v, double rays) {
   return sum * scale * scale / (kLanes * (kLanes - 1.0));
 }
 
+/// Adds the squares of a packet's contributions, the warp's density taken out, to their cells' sums.
+void note(const GatherPacket16& packet, F16 contribution, GuideHistogram& found) {
+  const F16 square = contribution * contribution * packet.warp_density;
+  for (int lane = 0; lane < kLanes; ++lane)
+    found.mean_square[static_cast<std::size_t>(packet.cell[lane])] += square[lane];
+}
+
 RadianceEstimate mean_of(const RgbJet16& sum, const GatherRays& rays) {
   const double n = rays.ray_count();
   RadianceEstimate result;
@@ -66,13 +73,15 @@ Mat2 followed_shape_operator(const RecordSite& site, const GatherOptions& option
 }
 
 RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site, const GatherOptions& options,
-                                 RayCounts& counts) {
-  GatherRays rays(scene, site, options, counts);
+                                 RayCounts& counts, const Guidance& guidance) {
+  GatherRays rays(scene, site, options, counts, guidance.guide);
   RgbJet16 sum;
+  if (guidance.found != nullptr) *guidance.found = {};
   rays.for_each_packet([&](const GatherPacket16& packet) {
     const Directions16 d = rays.directions_at_record(packet);
     // G without the cosine at x, which `shape_jet` holds: s / |r|^4.
     const UnitJet16 geometry = packet.facing * pow(packet.moving.jet_rr, -2.0f);
+    const V3x16 before = sum.value;
     for (const Lobe& lobe : rays.bsdf().lobes) {
       std::visit(
           [&](const auto& l) {
@@ -81,7 +90,12 @@ RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site, con
           },
           lobe);
     }
+    if (guidance.found != nullptr) note(packet, luminance(sum.value - before), *guidance.found);
   });
+  if (guidance.found != nullptr) {
+    const auto scale = static_cast<float>(GuideHistogram::kCells / rays.ray_count());
+    for (float& v : guidance.found->mean_square) v *= scale;
+  }
   return mean_of(sum, rays);
 }
 

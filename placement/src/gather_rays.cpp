@@ -9,6 +9,8 @@
 namespace vrc {
 namespace {
 
+constexpr float kSharpReflector = 300.0f;  // Phong exponent from which light is sampled by the BRDF, too
+
 std::vector<GatherStrategy> make_strategies(const Bsdf& bsdf, GatherDirections directions) {
   using Kind = GatherStrategy::Kind;
   if (directions == GatherDirections::kUniform) return {{Kind::kUniform}};
@@ -44,7 +46,7 @@ UnitJet16 masked(I16 mask, const UnitJet16& j) {
 }  // namespace
 
 GatherRays::GatherRays(const Scene& scene, const RecordSite& site, const GatherOptions& options,
-                       RayCounts& counts)
+                       RayCounts& counts, const GuideHistogram* guide)
     : scene_(scene),
       options_(options),
       counts_(counts),
@@ -65,6 +67,25 @@ GatherRays::GatherRays(const Scene& scene, const RecordSite& site, const GatherO
       scene.radius() * (1e-5 * site.point.geometric_normal + 2e-5 * site.to_camera.normalized());
   origin_ = splat3(Vec3(site.point.position + lift));
   path_seed_ = static_cast<std::uint32_t>(hash(options.seed, site.key, 0x9a7u));
+  if (guide != nullptr) {
+    std::vector<int> first_columns;
+    for (const GatherStrategy& s : strategies_)
+      first_columns.push_back(static_cast<int>(s.begin * GuideHistogram::kColumns));
+    warp_.emplace(*guide, first_columns);
+  }
+}
+
+F16 GatherRays::choose_direction(F16 u1, F16 u2, GatherPacket16& packet) const {
+  packet.warp_density = splat(1.0f);
+  if (warp_) {
+    const GuideWarp::Point16 warped = (*warp_)(u1, u2);
+    u1 = warped.u1;
+    u2 = warped.u2;
+    packet.warp_density = warped.density;
+  }
+  packet.cell = guide_cells(u1, u2);
+  packet.direction = sample_direction(u1, u2);
+  return mixture_pdf(directions_at_record(packet)) * packet.warp_density;
 }
 
 bool GatherRays::trace(F16 density, F16 u1, F16 u2, std::uint32_t first_index, GatherPacket16& packet) {
@@ -96,11 +117,17 @@ V3x16 GatherRays::to_frame(const V3x16& v) const {
   return {dot(v, splat3(frame_.tangent)), dot(v, splat3(frame_.bitangent)), dot(v, normal_)};
 }
 
-/// Blocks of sixteen points lie in one strategy's columns.
+/// Most packets lie in the columns of one strategy.
 V3x16 GatherRays::sample_direction(F16 u1, F16 u2) const {
-  const auto found =
-      std::ranges::find_if(strategies_, [&](const GatherStrategy& s) { return u1[0] < s.end; });
-  const GatherStrategy& s = found == strategies_.end() ? strategies_.back() : *found;
+  V3x16 result{};
+  for (const GatherStrategy& s : strategies_) {
+    const I16 own = (u1 >= s.begin) & (u1 < s.end);
+    if (any(own)) result = select(own, sample_direction(s, u1, u2), result);
+  }
+  return result;
+}
+
+V3x16 GatherRays::sample_direction(const GatherStrategy& s, F16 u1, F16 u2) const {
   const F16 stretched = min(max((u1 - s.begin) * (1.0f / (s.end - s.begin)), 0.0f), 0x1.fffffep-1f);
   switch (s.kind) {
     case GatherStrategy::Kind::kCosine:
@@ -160,8 +187,47 @@ void GatherRays::add_reflection(I16 active, const SurfacePoint16& hit, const V3x
   });
 }
 
+/// Half of the light at sharp reflectors is sampled by their BRDFs instead of by the lights; the balance
+/// heuristic weighs all samples as those of one density [Veach1997].
 void GatherRays::add_direct_light(I16 active, const SurfacePoint16& hit, F16 u1, F16 u2,
                                   GatherPacket16& packet) {
+  const I16 sharp = active & sharp_reflectors(active, hit.material);
+  const I16 by_lobe = sharp & (u1 < 0.5f);
+  const F16 left = select(sharp, select(by_lobe, 2.0f * u1, 2.0f * u1 - 1.0f), u1);
+  add_sampled_light(active & ~by_lobe, sharp, hit, left, u2, packet);
+  if (any(by_lobe)) add_met_light(by_lobe, hit, left, u2, packet);
+}
+
+/// Lanes whose lobes may be narrower than lights.
+I16 GatherRays::sharp_reflectors(I16 active, I16 material) const {
+  I16 result{};
+  if (!scene_.lights().can_be_met()) return result;
+  for_each_distinct(active, material, [&](I16 mask, std::size_t id) {
+    if (scene_.bsdfs()[id].sharpness() >= kSharpReflector) result |= mask;
+  });
+  return result;
+}
+
+void GatherRays::add_met_light(I16 active, const SurfacePoint16& hit, F16 u1, F16 u2,
+                               GatherPacket16& packet) {
+  const V3x16 back = -packet.direction;
+  const V3x16 m = sample_bsdf(scene_.bsdfs(), active, hit.material, hit.normal, back, u1, u2);
+  const Directions16 d = directions(hit.normal, back, m);
+  const F16 pdf = evaluate_bsdf(scene_.bsdfs(), active, hit.material, d).pdf;
+  active &= (dot(m, hit.geometric_normal) > 0.0f) & (d.cos_i > 0.0f) & (pdf > 1e-20f);
+  if (!any(active)) return;
+  const SurfacePoint16 next =
+      scene_.intersect(active, {scene_.lifted(hit), m, splat(1e17f)}, RayTracer::Coherence::kCoherent);
+  counts_.shadow += lane_count(active);
+  const MetLight16 met = scene_.lights().met(active, next.hit, next.light, m, next.t, d.cos_i);
+  const F16 density = 0.5f * (pdf + met.pdf);
+  add_reflection(active & met.valid, hit, m, met.radiance * (1.0f / max(density, 1e-20f)), packet);
+}
+
+/// `shared` lanes are those whose light is sampled by their BRDFs, too.
+void GatherRays::add_sampled_light(I16 active, I16 shared, const SurfacePoint16& hit, F16 u1, F16 u2,
+                                   GatherPacket16& packet) {
+  if (!any(active)) return;
   const LightSample16 light = scene_.lights().sample(hit.position, hit.normal, u1, u2);
   const I16 candidate = active & light.valid & (dot(light.direction, hit.geometric_normal) > 0.0f) &
                         (dot(light.direction, hit.normal) > 0.0f);
@@ -169,7 +235,15 @@ void GatherRays::add_direct_light(I16 active, const SurfacePoint16& hit, F16 u1,
   const I16 blocked =
       scene_.tracer().occluded(candidate, scene_.shadow_ray(hit, light), RayTracer::Coherence::kCoherent);
   counts_.shadow += lane_count(candidate);
-  add_reflection(candidate & ~blocked, hit, light.direction, light.radiance, packet);
+  V3x16 radiance = light.radiance;
+  if (any(shared)) {
+    const Directions16 d = directions(hit.normal, -packet.direction, light.direction);
+    const F16 pdf = evaluate_bsdf(scene_.bsdfs(), candidate & shared, hit.material, d).pdf;
+    // Light of no extent (pdf 0) is met by no ray.
+    const F16 share = select(light.pdf > 0.0f, 0.5f + 0.5f * pdf / max(light.pdf, 1e-30f), splat(0.5f));
+    radiance = radiance * select(shared, 1.0f / share, splat(1.0f));
+  }
+  add_reflection(candidate & ~blocked, hit, light.direction, radiance, packet);
 }
 
 void GatherRays::add_bounced_light(I16 active, const SurfacePoint16& hit, std::uint32_t first_index,

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "core/sobol.h"
 #include "placement/gather.h"
+#include "placement/guide.h"
 #include "transport/lobe_jets.h"
 
 namespace vrc {
@@ -38,6 +40,8 @@ struct RgbJet16 {
 struct GatherPacket16 {
   V3x16 direction;      ///< Unit.
   F16 inverse_density;  ///< Of the rays per solid angle; 0 in lanes that found nothing.
+  F16 warp_density;     ///< What a guide contributed to the density.
+  I16 cell;             ///< Of the guide.
   F16 distance;         ///< To the hit; infinite without one.
   MovingPoint16 moving;
   UnitJet16 facing;   ///< Of -n_y . (y - x): the cosine at the hit times the distance.
@@ -57,7 +61,9 @@ struct GatherStrategy {
 /// The rays of one record's gather.
 class GatherRays {
  public:
-  GatherRays(const Scene& scene, const RecordSite& site, const GatherOptions& options, RayCounts& counts);
+  /// `guide` is for GatherDirections::kMixture.
+  GatherRays(const Scene& scene, const RecordSite& site, const GatherOptions& options, RayCounts& counts,
+             const GuideHistogram* guide = nullptr);
 
   /// Calls body(packet) for all packets of the gather that found light.
   template <typename Body>
@@ -68,11 +74,14 @@ class GatherRays {
       F16 u[kSobolDimensions];
       for (int d = 0; d < kSobolDimensions; ++d) __builtin_memcpy(&u[d], grid.u[d].data() + i, sizeof(F16));
       GatherPacket16 packet;
-      packet.direction = sample_direction(u[0], u[1]);
-      const F16 density = mixture_pdf(directions_at_record(packet));
+      const F16 density = choose_direction(u[0], u[1], packet);
       if (trace(density, u[2], u[3], static_cast<std::uint32_t>(i), packet)) body(packet);
     }
   }
+
+  /// Chooses the packet's directions by points of the unit square, which the guide moves; returns their
+  /// density per solid angle.
+  F16 choose_direction(F16 u1, F16 u2, GatherPacket16& packet) const;
 
   /// Traces the packet's directions, which were chosen with `density` per solid angle; `u1` and `u2` choose
   /// the light at the hits, `first_index` names the rays for further bounces. False when no ray found a
@@ -92,11 +101,16 @@ class GatherRays {
  private:
   [[nodiscard]] V3x16 to_frame(const V3x16& v) const;
   [[nodiscard]] V3x16 sample_direction(F16 u1, F16 u2) const;
+  [[nodiscard]] V3x16 sample_direction(const GatherStrategy& strategy, F16 u1, F16 u2) const;
   [[nodiscard]] F16 mixture_pdf(const Directions16& d) const;
   void note_distances(const GatherPacket16& packet, const V3x16& normal);
   void add_reflection(I16 active, const SurfacePoint16& hit, const V3x16& m, const V3x16& radiance,
                       GatherPacket16& packet) const;
   void add_direct_light(I16 active, const SurfacePoint16& hit, F16 u1, F16 u2, GatherPacket16& packet);
+  void add_sampled_light(I16 active, I16 shared, const SurfacePoint16& hit, F16 u1, F16 u2,
+                         GatherPacket16& packet);
+  void add_met_light(I16 active, const SurfacePoint16& hit, F16 u1, F16 u2, GatherPacket16& packet);
+  [[nodiscard]] I16 sharp_reflectors(I16 active, I16 material) const;
   void add_bounced_light(I16 active, const SurfacePoint16& hit, std::uint32_t first_index,
                          GatherPacket16& packet);
 
@@ -105,6 +119,7 @@ class GatherRays {
   RayCounts& counts_;
   const Bsdf& bsdf_;
   std::vector<GatherStrategy> strategies_;
+  std::optional<GuideWarp> warp_;
   RecordFrame frame_;
   V3x16 normal_, geometric_normal_, to_camera_, origin_;
   std::uint64_t sobol_seed_ = 0;

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "core/hash.h"
 #include "placement/irradiance.h"
 
 namespace vrc {
@@ -141,16 +142,29 @@ RecordFactory::RecordFactory(const SceneCharts& charts, const CacheOptions& opti
 }
 
 RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& gather, const NoiseGoal& goal,
-                                   RayCounts& counts) const {
+                                   RayCounts& counts, const GuideField* guides) const {
   const Scene& scene = charts_.scene();
   std::shared_ptr<const RecordHarmonics> harmonics;
+  std::shared_ptr<const GuideHistogram> found;
   const auto options_for = [&](int log2_rays) {
     GatherOptions options = gather;
     options.log2_rays = log2_rays;
     return options;
   };
   const Gather gather_radiance_at = [&](const RecordSite& s, int log2_rays) {
-    return gather_radiance(scene, s, options_for(log2_rays), counts);
+    GatherOptions options = options_for(log2_rays);
+    if (!options_.guided) return gather_radiance(scene, s, options, counts);
+    std::unique_ptr<GuideHistogram> guide = guides != nullptr ? guides->at(s) : nullptr;
+    if (found != nullptr) {
+      // Rays that guide others must not be among them.
+      options.seed = hash(options.seed, 0x6d1du);
+      if (guide == nullptr) guide = std::make_unique<GuideHistogram>();
+      guide->add(*found, 1.0f);
+    }
+    auto own = std::make_shared<GuideHistogram>();
+    RadianceEstimate estimate = gather_radiance(scene, s, options, counts, {guide.get(), own.get()});
+    found = std::move(own);
+    return estimate;
   };
   const Gather gather_harmonics_at = [&](const RecordSite& s, int log2_rays) {
     RadianceEstimate estimate;
@@ -175,6 +189,7 @@ RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& 
     }
   }
   record.harmonics = std::move(harmonics);
+  record.found = std::move(found);
   return record;
 }
 

@@ -37,6 +37,8 @@ TEST(Camera, PixelZeroIsTopLeft) {
   expect_near(camera.direction(0, 0), Vec3(-1, 0.5, -1));
   expect_near(camera.direction(200, 100), Vec3(1, -0.5, -1));
   expect_near(camera.direction(100, 50), Vec3(0, 0, -1));
+  EXPECT_LT((camera.film_position(camera.origin + 3.0 * camera.direction(30, 80)) - Vec2(30, 80)).norm(),
+            1e-9);
   expect_near(camera.direction(101, 51) - camera.direction(100, 50), Vec3(0.01, -0.01, 0));
   EXPECT_NEAR(camera.pixel_size(), 0.01, 1e-15);
 }

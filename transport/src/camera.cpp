@@ -12,6 +12,12 @@ Vec3 Camera::direction(double film_x, double film_y) const {
   return forward + (2.0 * film_x - width) * half_pixel * right + (height - 2.0 * film_y) * half_pixel * up;
 }
 
+Vec2 Camera::film_position(const Vec3& point) const {
+  const double half_pixel = tan_half_width / width;
+  const Vec3 d = (point - origin) / (point - origin).dot(forward);
+  return {0.5 * (width + d.dot(right) / half_pixel), 0.5 * (height - d.dot(up) / half_pixel)};
+}
+
 void Camera::resize(int new_width, int new_height) {
   VRC_CHECK(new_width > 0 && new_height > 0, "film of {} x {} pixels", new_width, new_height);
   width = new_width;

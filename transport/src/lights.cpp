@@ -157,6 +157,24 @@ F16 Lights::pdf_of_hit(I16 active, I16 light, const V3x16& direction, F16 distan
   return result;
 }
 
+MetLight16 Lights::met(I16 active, I16 hit, I16 light, const V3x16& direction, F16 distance,
+                       F16 cosine) const {
+  MetLight16 result;
+  const I16 on_light = active & hit & (light >= 0);
+  if (any(on_light)) {
+    result.valid = on_light;
+    result.radiance = emitted(on_light, light, direction);
+    result.pdf = pdf_of_hit(on_light, light, direction, distance);
+  }
+  const I16 missed = active & ~hit;
+  if (any(missed) && environment_.maxCoeff() > 0.0f) {
+    result.valid |= missed;
+    result.radiance = select(missed, splat3(environment_), result.radiance);
+    result.pdf = select(missed, pdf_of_environment(cosine), result.pdf);
+  }
+  return result;
+}
+
 F16 Lights::pdf_of_environment(F16 cosine) const {
   return max(cosine, 0.0f) * (environment_probability_ / kPiF);
 }

@@ -30,22 +30,11 @@ V3x16 sampled_light(const Scene& scene, const SurfacePoint16& p, const V3x16& wo
   return select(useful & ~blocked, light.radiance * bsdf.f_cos * weight, V3x16{});
 }
 
-/// Emission met by a ray from a point with normal n, sampled with density `pdf`.
+/// Emission met by a ray that left at `cosine` to the normal and was sampled with density `pdf`.
 V3x16 met_emission(const Scene& scene, const SurfacePoint16& hit, I16 active, const V3x16& direction,
                    F16 cosine, F16 pdf) {
-  const I16 on_light = active & hit.hit & (hit.light >= 0);
-  V3x16 result{};
-  if (any(on_light)) {
-    const F16 light_pdf = scene.lights().pdf_of_hit(on_light, hit.light, direction, hit.t);
-    const V3x16 emission = scene.lights().emitted(on_light, hit.light, direction);
-    result = select(on_light, emission * power_heuristic(pdf, light_pdf), result);
-  }
-  const I16 missed = active & ~hit.hit;
-  if (any(missed) && scene.lights().environment().maxCoeff() > 0.0f) {
-    const F16 weight = power_heuristic(pdf, scene.lights().pdf_of_environment(cosine));
-    result = select(missed, splat3(scene.lights().environment()) * weight, result);
-  }
-  return result;
+  const MetLight16 met = scene.lights().met(active, hit.hit, hit.light, direction, hit.t, cosine);
+  return select(met.valid, met.radiance * power_heuristic(pdf, met.pdf), V3x16{});
 }
 
 /// Follows paths from given points; calls add(vertex, active, throughput * radiance).

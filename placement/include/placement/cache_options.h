@@ -71,6 +71,7 @@ struct CacheOptions {
   IrradianceDerivatives irradiance_derivatives = IrradianceDerivatives::kStrata;
   HarmonicsRays harmonics_rays = HarmonicsRays::kAuto;
   int harmonics_order = 0;  ///< Of spherical harmonics; 0 chooses by the sharpest lobe that they suit.
+  bool guided = true;       ///< Records send their rays where their neighbours' rays found light.
   bool joint_fit = true;    ///< Refine records by their neighbours' values, weighted by noise.
 };
 

@@ -60,9 +60,19 @@ struct RadianceEstimate {
 /// The luminance of a colour with derivatives.
 [[nodiscard]] Jet2 luminance(const std::array<Jet2, 3>& rgb);
 
-/// Gathers with Owen-scrambled Sobol rays and sums the
-/// closed-form derivatives of every ray's contribution while its hit stays fixed.
+struct GuideHistogram;
+
+/// What a gather learns from others, and others from it.
+struct Guidance {
+  const GuideHistogram* guide =
+      nullptr;                      ///< Found by other rays: where to send these; null: nowhere special.
+  GuideHistogram* found = nullptr;  ///< Filled with what the rays find, unless null.
+};
+
+/// Gathers with Owen-scrambled Sobol rays and sums the closed-form derivatives of every ray's contribution
+/// while its hit stays fixed.
 [[nodiscard]] RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site,
-                                               const GatherOptions& options, RayCounts& counts);
+                                               const GatherOptions& options, RayCounts& counts,
+                                               const Guidance& guidance = {});
 
 }  // namespace vrc

@@ -24,9 +24,12 @@ class RecordFactory {
   /// What must be known to shade with the records' harmonics; null when no record can have any.
   [[nodiscard]] const std::shared_ptr<const BrdfHarmonicsSet>& brdfs() const { return brdfs_; }
 
-  /// Gathers what the strategy and the representation ask for everywhere.
+  /// Gathers what the strategy and the representation ask for everywhere. Rays towards the camera are guided
+  /// by what `guides` holds nearby, if given, and when they turn out too noisy by their own, which then do
+  /// not count.
   [[nodiscard]] RadianceRecord make(const RecordSite& site, const GatherOptions& gather,
-                                    const NoiseGoal& goal, RayCounts& counts) const;
+                                    const NoiseGoal& goal, RayCounts& counts,
+                                    const GuideField* guides = nullptr) const;
 
   /// Gives the record its region, decides by the rule of a hybrid cache whether it is to hold spherical
   /// harmonics and gathers them when it does so for the first time.

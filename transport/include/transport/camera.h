@@ -20,6 +20,9 @@ struct Camera {
   /// Direction (not normalised, forward component 1) through a film position.
   [[nodiscard]] Vec3 direction(double film_x, double film_y) const;
 
+  /// The inverse: where a point in front of the camera lies on the film.
+  [[nodiscard]] Vec2 film_position(const Vec3& point) const;
+
   /// Length that one pixel spans at unit distance along `forward`, on a plane facing the camera.
   [[nodiscard]] double pixel_size() const { return 2.0 * tan_half_width / width; }
 

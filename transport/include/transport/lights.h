@@ -27,6 +27,13 @@ struct LightSample16 {
   F16 pdf;         ///< Per solid angle; 0 for lights that no BSDF sample can hit.
 };
 
+/// What rays from a surface met of the lights.
+struct MetLight16 {
+  I16 valid{};       ///< Met an emitter or the environment.
+  V3x16 radiance{};  ///< That it sends back along the ray.
+  F16 pdf{};         ///< Density per solid angle with which Lights::sample picks the ray's direction.
+};
+
 /// Chooses lights by power and points on them by area.
 class Lights {
  public:
@@ -46,6 +53,12 @@ class Lights {
   [[nodiscard]] V3x16 emitted(I16 active, I16 light, const V3x16& direction) const;
   /// Density with which `sample` picks the point hit at `distance` along `direction`.
   [[nodiscard]] F16 pdf_of_hit(I16 active, I16 light, const V3x16& direction, F16 distance) const;
+  /// Lights with an extent, which rays can meet.
+  [[nodiscard]] bool can_be_met() const { return !triangles_.empty() || environment_probability_ > 0.0f; }
+  /// What rays along `direction` met: `hit` lanes an emissive triangle `light` (or -1: none) at `distance`,
+  /// the others the environment. `cosine` is that of the direction at the rays' origin.
+  [[nodiscard]] MetLight16 met(I16 active, I16 hit, I16 light, const V3x16& direction, F16 distance,
+                               F16 cosine) const;
   /// Density with which `sample` picks an environment direction.
   [[nodiscard]] F16 pdf_of_environment(F16 cosine) const;
 

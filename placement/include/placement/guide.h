@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "core/simd.h"
+#include "placement/gather.h"
+
+namespace vrc {
+
+/// Over the unit square (u1, u2) from which a gather's directions are sampled: the mean square of what the
+/// rays contribute, in luminance, before it is divided by the density of a warp.
+struct GuideHistogram {
+  static constexpr int kColumns = 64;  ///< Of u1, which also chooses the strategy: four to an eighth.
+  static constexpr int kRows = 32;     ///< Of u2, an azimuth.
+  static constexpr int kCells = kColumns * kRows;
+
+  std::array<float, kCells> mean_square{};  ///< Entry column * kRows + row.
+
+  /// Adds `weight` times another histogram.
+  void add(const GuideHistogram& other, float weight);
+};
+
+/// Moves uniform points of the unit square to where a histogram found large contributions: piecewise
+/// constant density 0.15 + 0.85 t / mean(t), t the root mean square. Any histogram of other rays leaves the
+/// estimate unbiased, however wrong it is.
+class GuideWarp {
+ public:
+  /// Columns [first[i], first[i + 1]) belong to one sampling strategy; the histogram is smoothed over
+  /// neighbouring cells of the same strategy, the azimuth wrapping round.
+  GuideWarp(const GuideHistogram& histogram, const std::vector<int>& first_columns);
+
+  struct Point16 {
+    F16 u1, u2;
+    F16 density;  ///< Of the warp, 1 on average.
+  };
+  [[nodiscard]] Point16 operator()(F16 v1, F16 v2) const;
+
+  /// Density of cell column * kRows + row.
+  [[nodiscard]] float density(int cell) const { return density_[static_cast<std::size_t>(cell)]; }
+
+ private:
+  static constexpr int kColumns = GuideHistogram::kColumns, kRows = GuideHistogram::kRows;
+  std::array<float, kColumns> column_start_{};  ///< Cumulative share of the columns before.
+  std::array<float, kColumns> column_share_{};
+  std::array<float, GuideHistogram::kCells> row_start_{};  ///< Within the column.
+  std::array<float, GuideHistogram::kCells> density_{};
+};
+
+/// Cells of sixteen points of the unit square.
+[[nodiscard]] I16 guide_cells(F16 u1, F16 u2);
+
+/// Histograms of gathers, found again by where the camera sees them.
+class GuideField {
+ public:
+  explicit GuideField(const Scene& scene);
+
+  void add(const RecordSite& site, std::shared_ptr<const GuideHistogram> histogram);
+  [[nodiscard]] std::size_t size() const { return entries_.size(); }
+
+  /// The average of the (up to four) nearest ones to a site, weighted by distance: same material, similar
+  /// normal, within 24 pixels. Null when there is none.
+  [[nodiscard]] std::unique_ptr<GuideHistogram> at(const RecordSite& site) const;
+
+ private:
+  struct Entry {
+    Vec3 position, normal;
+    std::int32_t material;
+    std::shared_ptr<const GuideHistogram> histogram;
+  };
+  [[nodiscard]] Eigen::Vector2i cell_of(const Vec3& position) const;
+
+  const Scene& scene_;
+  int columns_ = 0, rows_ = 0;
+  std::vector<Entry> entries_;
+  std::vector<std::vector<std::uint32_t>> cells_;
+};
+
+}  // namespace vrc

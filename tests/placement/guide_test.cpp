@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "placement/guide.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "placement_support.h"
+
+namespace vrc {
+namespace {
+
+using namespace test;
+
+constexpr int kCells = GuideHistogram::kCells;
+
+GuideHistogram one_bright_cell(int cell) {
+  GuideHistogram histogram;
+  histogram.mean_square[static_cast<std::size_t>(cell)] = 1.0f;
+  return histogram;
+}
+
+TEST(GuideWarp, WithoutFindingsMovesNothing) {
+  const GuideWarp warp(GuideHistogram{}, {0});
+  F16 v1{}, v2{};
+  for (int i = 0; i < kLanes; ++i) {
+    v1[i] = (static_cast<float>(i) + 0.3f) / kLanes;
+    v2[i] = std::fmod(0.7f * static_cast<float>(i) + 0.1f, 1.0f);
+  }
+  const GuideWarp::Point16 p = warp(v1, v2);
+  for (int i = 0; i < kLanes; ++i) {
+    EXPECT_NEAR(p.u1[i], v1[i], 1e-5f);
+    EXPECT_NEAR(p.u2[i], v2[i], 1e-5f);
+    EXPECT_NEAR(p.density[i], 1.0f, 1e-5f);
+  }
+}
+
+/// Uniform points must fall into every cell as often as its density says.
+TEST(GuideWarp, PointsHaveTheDensityThatItStates) {
+  const GuideWarp warp(one_bright_cell(20 * GuideHistogram::kRows + 5), {0});
+  constexpr int kPackets = 1 << 16;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> uniform(0.0f, 1.0f);
+  std::vector<double> counts(kCells);
+  for (int packet = 0; packet < kPackets; ++packet) {
+    F16 v1{}, v2{};
+    for (int i = 0; i < kLanes; ++i) {
+      v1[i] = uniform(random);
+      v2[i] = uniform(random);
+    }
+    const GuideWarp::Point16 p = warp(v1, v2);
+    const I16 cells = guide_cells(p.u1, p.u2);
+    for (int i = 0; i < kLanes; ++i) {
+      ASSERT_FLOAT_EQ(p.density[i], warp.density(cells[i])) << "cell " << cells[i];
+      counts[static_cast<std::size_t>(cells[i])] += 1.0;
+    }
+  }
+  for (int cell = 0; cell < kCells; ++cell) {
+    const double expected = static_cast<double>(warp.density(cell)) * kPackets * kLanes / kCells;
+    EXPECT_NEAR(counts[static_cast<std::size_t>(cell)], expected, 5.0 * std::sqrt(expected))
+        << "cell " << cell;
+  }
+}
+
+TEST(GuideWarp, SmoothsWithinAStrategyOnlyAndRoundTheAzimuth) {
+  constexpr int kRows = GuideHistogram::kRows;
+  const GuideWarp warp(one_bright_cell(16 * kRows), {0, 16});
+  const float elsewhere = warp.density(40 * kRows + kRows / 2);
+  EXPECT_FLOAT_EQ(warp.density(15 * kRows), elsewhere);  // the other strategy's last column
+  EXPECT_GT(warp.density(17 * kRows), 2.0f * elsewhere);
+  EXPECT_GT(warp.density(16 * kRows + kRows - 1), 2.0f * elsewhere);
+}
+
+/// Whatever a guide says, the estimate stays what it was, and a guide by other rays makes it less noisy.
+TEST(GuidedGather, StaysUnbiasedAndBecomesLessNoisy) {
+  const Scene scene = load_scene("cornell_glossy.xml", 256, 256);
+  const std::vector<RecordSite> sites = sites_at(scene, {{0.2, 0.5}, {0.5, 0.3}, {0.5, 0.9}, {0.8, 0.4}});
+  GatherOptions options;
+  options.log2_rays = 12;
+  RayCounts counts;
+  double plain_variance = 0.0, guided_variance = 0.0;
+  for (const RecordSite& site : sites) {
+    GuideHistogram found;
+    options.seed = 1;
+    (void)gather_radiance(scene, site, options, counts, {nullptr, &found});
+    const GuideHistogram misleading = one_bright_cell(0);
+    double sum[3] = {}, squares[3] = {};
+    constexpr int kSeeds = 32;
+    for (int i = 0; i < kSeeds; ++i) {
+      options.seed = static_cast<std::uint64_t>(i + 2);
+      const GuideHistogram* guides[3] = {nullptr, &found, &misleading};
+      for (int g = 0; g < 3; ++g) {
+        const double value =
+            gather_radiance(scene, site, options, counts, {guides[g], nullptr}).luminance.value;
+        sum[g] += value / kSeeds;
+        squares[g] += value * value / kSeeds;
+      }
+    }
+    const auto variance = [&](int g) { return std::max(squares[g] - sum[g] * sum[g], 0.0); };
+    for (int g = 1; g < 3; ++g) {
+      const double deviation = std::sqrt((variance(0) + variance(g)) / (kSeeds - 1));
+      EXPECT_NEAR(sum[g], sum[0], 4.0 * deviation + 1e-6 * sum[0]) << "guide " << g;
+    }
+    plain_variance += variance(0) / (sum[0] * sum[0]);
+    guided_variance += variance(1) / (sum[0] * sum[0]);
+  }
+  EXPECT_LT(guided_variance, plain_variance / 4.0);
+}
+
+TEST(GuideField, AveragesTheNearestOfTheSameSurface) {
+  const Scene scene = load_scene("cornell_glossy.xml", 256, 256);
+  const std::vector<RecordSite> sites = sites_at(scene, {{0.5, 0.3}});
+  GuideField field(scene);
+  EXPECT_EQ(field.at(sites[0]), nullptr);
+  field.add(sites[0], std::make_shared<GuideHistogram>(one_bright_cell(3)));
+  RecordSite other = sites[0];
+  other.point.material += 1;
+  field.add(other, std::make_shared<GuideHistogram>(one_bright_cell(4)));
+  RecordSite turned = sites[0];
+  turned.point.normal = -turned.point.normal;
+  field.add(turned, std::make_shared<GuideHistogram>(one_bright_cell(5)));
+  const auto found = field.at(sites[0]);
+  ASSERT_NE(found, nullptr);
+  EXPECT_FLOAT_EQ(found->mean_square[3], 1.0f);
+  EXPECT_FLOAT_EQ(found->mean_square[4], 0.0f);
+  EXPECT_FLOAT_EQ(found->mean_square[5], 0.0f);
+  RecordSite far = sites[0];
+  far.point.position += 30.0 * far.pixel_length * far.frame.tangent;
+  EXPECT_EQ(field.at(far), nullptr);
+}
+
+}  // namespace
+}  // namespace vrc
