@@ -57,7 +57,7 @@ Limits limits_of(const IncidentHarmonics& incident, const Mat2& half) {
     const auto row = [&](int c) {
       return incident.coefficients.row(kEntries * c + entry).transpose().cast<double>();
     };
-    return 0.212671 * row(0) + 0.715160 * row(1) + 0.072169 * row(2);
+    return kLuminance[0] * row(0) + kLuminance[1] * row(1) + kLuminance[2] * row(2);
   };
   const Eigen::ArrayXd d1 = luminances(1), d2 = luminances(2);
   const Eigen::ArrayXd h11 = luminances(3), h12 = luminances(4), h22 = luminances(5);

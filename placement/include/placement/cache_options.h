@@ -70,7 +70,7 @@ struct CacheOptions {
   HarmonicsRule harmonics_rule = HarmonicsRule::kAuto;
   IrradianceDerivatives irradiance_derivatives = IrradianceDerivatives::kStrata;
   HarmonicsRays harmonics_rays = HarmonicsRays::kAuto;
-  int harmonics_order = 0;  ///< Of spherical harmonics; 0 chooses by the sharpest lobe that they suit.
+  int harmonics_order = 0;  ///< Of spherical harmonics; 0 chooses by each material's own lobes.
   bool joint_fit = true;    ///< Refine records by their neighbours' values, weighted by noise.
 };
 
