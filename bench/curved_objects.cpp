@@ -14,6 +14,7 @@
 #include "bench_support.h"
 #include "core/parallel.h"
 #include "placement/baselines.h"
+#include "placement/presets.h"
 #include "transport/film_sampler.h"
 
 namespace vrc::bench {
@@ -79,7 +80,7 @@ const std::vector<std::pair<std::string, CacheOptions>>& all_variants() {
       {"sh10", harmonics(10)},
       {"sh16", harmonics(16)},
       {"sh24", harmonics(24)},
-      {"paper", flat(hybrid(HarmonicsRule::kPaper))},
+      {"paper", paper_preset({})},
       {"paper-total", hybrid(HarmonicsRule::kPaper)},
       {"auto", hybrid(HarmonicsRule::kAuto)},
       {"independent", strategy(Strategy::kViewIndependent, analytic())},

@@ -2,6 +2,7 @@
 #include "render_arguments.h"
 
 #include "cli_values.h"
+#include "placement/presets.h"
 
 namespace vrc {
 namespace fs = std::filesystem;
@@ -115,12 +116,27 @@ void declare_picture(CLI::App& command, RenderArguments& arguments) {
                    "Direct light samples for each camera sample; 0 chooses by method"));
 }
 
+/// Options take effect in the order of their declaration, wherever they stand on the command line: this
+/// one must come before all that set a part of `cache`.
+CLI::Option* declare_preset(CLI::App& command, CacheOptions& cache) {
+  return add_value(command, "--preset", "default|paper",
+                   "What the other options of this group are when they are not given: this program's, or "
+                   "the paper's (docs/decisions/010)",
+                   "one of default|paper",
+                   [&cache](const std::string& text) {
+                     if (text == "paper") cache = paper_preset(cache);
+                     return text == "default" || text == "paper";
+                   })
+      ->default_str("default");
+}
+
 void declare_cache(CLI::App& command, RenderArguments& arguments) {
   CacheOptions& cache = arguments.render.cache;
   const auto group = [](CLI::Option* option) {
     option->group("Radiance cache");
     return option;
   };
+  group(declare_preset(command, cache));
   CLI::Option* error = group(add_number(command, "--error", cache.error, NumberRange<double>{1e-5, 10.0},
                                         "Accepted relative error of the picture; smaller is slower"));
   group(add_number(command, "--records", cache.records, NumberRange<int>{1, 100'000'000},
@@ -133,9 +149,13 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
   group(command.add_flag_callback(
       "--no-glossy-glossy", [&cache] { cache.glossy_glossy = false; },
       "Leave out the derivative of light reflected by glossy surfaces"));
-  group(command.add_flag_callback(
+  CLI::Option* flat = group(command.add_flag_callback(
       "--flat-derivatives", [&cache] { cache.total_derivative = cache.joint_weight = false; },
       "Derivatives and weights that do not know how surfaces bend, as in the paper"));
+  group(command.add_flag_callback(
+            "--total-derivatives", [&cache] { cache.total_derivative = cache.joint_weight = true; },
+            "Those that know it; the default without --preset paper"))
+      ->excludes(flat);
   group(command.add_flag_callback(
       "--unguided", [&cache] { cache.guided = false; },
       "Send gather rays by the material alone, not where the rays of nearby records found light"));
@@ -178,6 +198,14 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
       "Record radii by the radiance Hessian, one radius everywhere, or a share of the mean distance"));
   group(add_number(command, "--max-normal-deviation", cache.max_normal_deviation,
                    NumberRange<double>{1e-3, 1.5}, "Largest angle of normals across a record, in radians"));
+  group(add_number(command, "--gradient-share", cache.gradient_share, NumberRange<double>{0.0, 100.0},
+                   "Of the squared gradient over the radiance, added to the Hessian that radii follow"));
+  group(add_number(command, "--dark-share", cache.dark_share, NumberRange<double>{0.0, 100.0},
+                   "Of the mean radiance, which errors in the dark are relative to"));
+  group(add_number(command, "--blend-support", cache.blend_support, NumberRange<double>{1.0, 3.0},
+                   "Records are blended up to this multiple of their radii"));
+  group(add_choice(command, "--joint-fit", cache.joint_fit, {{"on", true}, {"off", false}},
+                   "Refine records by their neighbours' values"));
   CLI::Option* baseline = group(add_choice(command, "--baseline", arguments.baseline,
                                            {{"none", Baseline::kNone},
                                             {"krivanek", Baseline::kKrivanek},

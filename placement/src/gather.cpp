@@ -53,8 +53,10 @@ RadianceEstimate mean_of(const RgbJet16& sum, const GatherRays& rays) {
 Jet2 luminance(const std::array<Jet2, 3>& rgb) {
   Jet2 result;
   result.value = luminance(std::array{rgb[0].value, rgb[1].value, rgb[2].value});
-  result.gradient = 0.212671 * rgb[0].gradient + 0.715160 * rgb[1].gradient + 0.072169 * rgb[2].gradient;
-  result.hessian = 0.212671 * rgb[0].hessian + 0.715160 * rgb[1].hessian + 0.072169 * rgb[2].hessian;
+  result.gradient =
+      kLuminance[0] * rgb[0].gradient + kLuminance[1] * rgb[1].gradient + kLuminance[2] * rgb[2].gradient;
+  result.hessian =
+      kLuminance[0] * rgb[0].hessian + kLuminance[1] * rgb[1].hessian + kLuminance[2] * rgb[2].hessian;
   return result;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "gather_rays.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <bit>
 
@@ -10,6 +11,18 @@ namespace vrc {
 namespace {
 
 constexpr float kSharpReflector = 300.0f;  // Phong exponent from which light is sampled by the BRDF, too
+constexpr double kSaddle = 0.3;  // convex curvature over concave one, of a hollow; cylinders are noisy
+
+/// Whether the surface is concave in all directions, about.
+bool is_hollow(const Mat2& shape_operator) {
+  const Vec2 principal = shape_operator.selfadjointView<Eigen::Lower>().eigenvalues();
+  return principal[0] < 0.0 && principal[1] <= -kSaddle * principal[0];
+}
+
+float longest_edge(const SceneTriangle& triangle) {
+  const Vec3f e1(triangle.e1), e2(triangle.e2);
+  return std::max({e1.norm(), e2.norm(), (e2 - e1).norm()});
+}
 
 std::vector<GatherStrategy> make_strategies(const Bsdf& bsdf, GatherDirections directions) {
   using Kind = GatherStrategy::Kind;
@@ -59,6 +72,10 @@ GatherRays::GatherRays(const Scene& scene, const RecordSite& site, const GatherO
   frame_.normal = site.frame.normal.cast<float>();
   frame_.to_camera = site.to_camera.cast<float>();
   frame_.shape_operator = followed_shape_operator(site, options).cast<float>();
+  in_hollow_ = is_hollow(followed_shape_operator(site, options));
+  const SceneTriangle& own = scene.triangles()[site.point.triangle];
+  facet_ = longest_edge(own);
+  region_ = own.region;
   normal_ = splat3(frame_.normal);
   geometric_normal_ = splat3(site.point.geometric_normal);
   to_camera_ = splat3(Vec3(site.to_camera.normalized()));
@@ -96,7 +113,7 @@ bool GatherRays::trace(F16 density, F16 u1, F16 u2, std::uint32_t first_index, G
   counts_.gather += lane_count(active);
   rays_ += kLanes;
   packet.distance = select(hit.hit, hit.t, splat(std::numeric_limits<float>::infinity()));
-  note_distances(packet, hit.geometric_normal);
+  note_distances(packet, hit);
   const I16 lit = hit.scatters;
   if (!any(lit)) return false;
 
@@ -152,12 +169,25 @@ F16 GatherRays::mixture_pdf(const Directions16& d) const {
   return sum;
 }
 
-void GatherRays::note_distances(const GatherPacket16& packet, const V3x16& normal) {
+/// In a sphere a chord of length t makes the angle asin(kappa t / 2) with the surface at both its ends: the
+/// geometry term is constant, and hits near the record tell nothing of how far its derivatives hold. What
+/// rises at most twice as steeply belongs to the hollow; facets turn by kappa times their length.
+I16 GatherRays::in_own_hollow(const V3x16& direction, const SurfacePoint16& hit) const {
+  const V3x16 d = to_frame(direction);
+  const Eigen::Matrix2f& s = frame_.shape_operator;
+  const F16 bend = -(s(0, 0) * d.x * d.x + 2.0f * s(0, 1) * d.x * d.y + s(1, 1) * d.y * d.y) /
+                   max(d.x * d.x + d.y * d.y, 1e-20f);
+  const F16 most = bend * (hit.t + facet_);
+  return (hit.region == region_) & (d.z < most) & (-dot(direction, hit.geometric_normal) < most);
+}
+
+void GatherRays::note_distances(const GatherPacket16& packet, const SurfacePoint16& hit) {
   inverse_distance_ += 1.0f / max(packet.distance, 1e-30f);
-  const I16 nearer = packet.distance < nearest_;
+  I16 nearer = packet.distance < nearest_;
+  if (in_hollow_ && any(nearer)) nearer &= ~in_own_hollow(packet.direction, hit);
   nearest_ = select(nearer, packet.distance, nearest_);
   nearest_direction_ = select(nearer, packet.direction, nearest_direction_);
-  nearest_normal_ = select(nearer, normal, nearest_normal_);
+  nearest_normal_ = select(nearer, hit.geometric_normal, nearest_normal_);
 }
 
 /// Adds the radiance that the hits reflect of light from directions m, with its glossy-glossy jet.

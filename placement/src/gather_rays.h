@@ -103,7 +103,9 @@ class GatherRays {
   [[nodiscard]] V3x16 sample_direction(F16 u1, F16 u2) const;
   [[nodiscard]] V3x16 sample_direction(const GatherStrategy& strategy, F16 u1, F16 u2) const;
   [[nodiscard]] F16 mixture_pdf(const Directions16& d) const;
-  void note_distances(const GatherPacket16& packet, const V3x16& normal);
+  /// Lanes whose hit is no wall beside the record but the hollow that it lies in (`in_hollow_`).
+  [[nodiscard]] I16 in_own_hollow(const V3x16& direction, const SurfacePoint16& hit) const;
+  void note_distances(const GatherPacket16& packet, const SurfacePoint16& hit);
   void add_reflection(I16 active, const SurfacePoint16& hit, const V3x16& m, const V3x16& radiance,
                       GatherPacket16& packet) const;
   void add_direct_light(I16 active, const SurfacePoint16& hit, F16 u1, F16 u2, GatherPacket16& packet);
@@ -122,6 +124,9 @@ class GatherRays {
   std::optional<GuideWarp> warp_;
   RecordFrame frame_;
   V3x16 normal_, geometric_normal_, to_camera_, origin_;
+  bool in_hollow_ = false;   ///< The derivatives follow a surface that is concave in all directions.
+  float facet_ = 0.0f;       ///< Longest edge of the record's triangle.
+  std::int32_t region_ = 0;  ///< The record's smooth region.
   std::uint64_t sobol_seed_ = 0;
   std::uint32_t path_seed_ = 0;
   std::size_t rays_ = 0;

@@ -83,8 +83,6 @@ GatherDirections directions_for(const CacheOptions& options) {
                                                       : GatherDirections::kCosine;
 }
 
-constexpr double kLuminance[3] = {0.212671, 0.715160, 0.072169};
-
 /// Luminance of incident radiance in all directions.
 Jet2 all_incident(const IncidentHarmonics& incident) {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(incident.count(), IncidentHarmonics::kEntries);

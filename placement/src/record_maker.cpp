@@ -8,7 +8,6 @@
 namespace vrc {
 namespace {
 
-constexpr double kDarkShare = 0.2;            // of the mean luminance, in `perceived`
 constexpr double kMaximumPictureShare = 0.1;  // [Zhao 5]
 constexpr double kSteepWall = 0.5;            // sine of the least angle between surface and wall
 constexpr double kAlongCrease = 6.0;          // times the nearest hit: along the crease of a wall
@@ -57,7 +56,7 @@ Limits limits_of(const IncidentHarmonics& incident, const Mat2& half) {
     const auto row = [&](int c) {
       return incident.coefficients.row(kEntries * c + entry).transpose().cast<double>();
     };
-    return 0.212671 * row(0) + 0.715160 * row(1) + 0.072169 * row(2);
+    return kLuminance[0] * row(0) + kLuminance[1] * row(1) + kLuminance[2] * row(2);
   };
   const Eigen::ArrayXd d1 = luminances(1), d2 = luminances(2);
   const Eigen::ArrayXd h11 = luminances(3), h12 = luminances(4), h22 = luminances(5);
@@ -101,8 +100,8 @@ Mat2 half_axes(const ValidRegion& region, const Frame& frame) {
   return half;
 }
 
-double perceived(double value, double mean_luminance) {
-  return std::sqrt(value * value + kDarkShare * kDarkShare * mean_luminance * mean_luminance);
+double perceived(double value, double mean_luminance, double dark_share) {
+  return std::sqrt(value * value + dark_share * dark_share * mean_luminance * mean_luminance);
 }
 
 double split_sphere_share(double epsilon) { return 2.0 * std::pow(epsilon, 0.25); }
@@ -112,9 +111,9 @@ void shape_record(RadianceRecord& record, const RegionRule& rule) {
   const double picture = site.pixel_length * rule.picture_width;
 
   const Jet2& brightness = metric_of(record);
-  const double reference = rule.options->strategy == Strategy::kViewDependent
-                               ? perceived(brightness.value, rule.mean_luminance)
-                               : std::max(brightness.value, 1e-30);
+  const double dark_share =
+      rule.options->strategy == Strategy::kViewDependent ? rule.options->dark_share : 0.0;
+  const double reference = std::max(perceived(brightness.value, rule.mean_luminance, dark_share), 1e-30);
   RegionAxes axes = hessian_radii(brightness, reference, rule.epsilon * picture * picture,
                                   rule.options->gradient_share, kMaximumPictureShare * picture);
   const double share = split_sphere_share(rule.epsilon);

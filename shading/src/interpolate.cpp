@@ -21,13 +21,13 @@ V3x16 from_harmonics(const PackedRecord& record, const Coverage16& c, int order,
   return result;
 }
 
+/// Limited derivatives hold up to `trusted` radii: farther out the value there is taken.
 WeightedSum blend_records(const TileRecords& records, std::size_t packet, int order, double support,
-                          PacketResponse& response) {
+                          double trusted, PacketResponse& response) {
   WeightedSum sum;
   records.for_each(packet, static_cast<float>(support), [&](const PackedRecord& record, const Coverage16& c) {
-    // Limited derivatives hold up to the ordinary support: farther out the value there is taken.
     const F16 distance = sqrt(c.a * c.a + c.b * c.b);
-    const F16 inward = min(static_cast<float>(kBlendSupport) / max(distance, 1e-20f), 1.0f);
+    const F16 inward = min(static_cast<float>(trusted) / max(distance, 1e-20f), 1.0f);
     const Coverage16 limited = {c.a * inward, c.b * inward, c.weight};
     const V3x16 value = record.harmonics != nullptr ? from_harmonics(record, limited, order, response)
                                                     : extrapolate(record, limited, order);
@@ -39,16 +39,16 @@ WeightedSum blend_records(const TileRecords& records, std::size_t packet, int or
 
 }  // namespace
 
-V3x16 interpolate(const TileRecords& records, std::size_t packet, int taylor_order) {
+V3x16 interpolate(const TileRecords& records, std::size_t packet, int taylor_order, double support) {
   const SurfacePoint16& p = records.tile().points[packet];
   if (!any(p.scatters)) return V3x16{};
   const V3x16 to_viewer = -records.tile().packets[packet].direction;
   PacketResponse response(records.cache().brdfs().get(), p, to_viewer);
-  const WeightedSum near = blend_records(records, packet, taylor_order, kBlendSupport, response);
+  const WeightedSum near = blend_records(records, packet, taylor_order, support, support, response);
   V3x16 result = near.radiance * (1.0f / max(near.weight, 1e-20f));
   const I16 missed = p.scatters & ~(near.weight > 0.0f);
   if (any(missed)) {
-    const WeightedSum wide = blend_records(records, packet, taylor_order, kWideSupport, response);
+    const WeightedSum wide = blend_records(records, packet, taylor_order, kWideSupport, support, response);
     result = select(missed, wide.radiance * (1.0f / max(wide.weight, 1e-20f)), result);
   }
   return result;

@@ -149,7 +149,7 @@ class Renderer {
       }
       if (records != nullptr)
         add_to(pixel + layers_.indirect, p.scatters,
-               interpolate(*records, index, options_.cache.taylor_order));
+               interpolate(*records, index, options_.cache.taylor_order, options_.cache.blend_support));
     }
     if (options_.aovs) add_aovs(packet, p, pixel);
   }

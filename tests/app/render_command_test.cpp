@@ -99,6 +99,45 @@ TEST_F(RenderCommand, ComparesWithAReferenceInsideTheCrop) {
   EXPECT_THAT(other.err, HasSubstr("is 32x24 pixels and the film 16x16"));
 }
 
+TEST_F(RenderCommand, PresetOfThePaperIsItsOptionsSpelledOut) {
+  ASSERT_EQ(run_vrc(render({"-o", at("ours.exr")})).exit_code, 0);
+  ASSERT_EQ(run_vrc(render({"-o", at("paper.exr"), "--preset", "paper"})).exit_code, 0);
+  ASSERT_EQ(run_vrc(render({"-o", at("spelled.exr"), "--flat-derivatives", "--gradient-share", "0",
+                            "--dark-share", "0", "--blend-support", "1", "--joint-fit", "off",
+                            "--max-normal-deviation", "0.1", "--sh-rule", "paper", "--sh-rays", "uniform"}))
+                .exit_code,
+            0);
+  const auto paper = read_image(at("paper.exr")).pixels;
+  EXPECT_NE(paper, read_image(at("ours.exr")).pixels);
+  EXPECT_EQ(paper, read_image(at("spelled.exr")).pixels);
+}
+
+TEST_F(RenderCommand, SingleOptionsWinOverThePresetWhereverTheyStand) {
+  const auto pixels = [&](const char* name, std::initializer_list<std::string> extra) {
+    auto arguments = render({"-o", at(name)});
+    arguments.insert(arguments.end(), extra);
+    const auto result = run_vrc(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return read_image(at(name)).pixels;
+  };
+  const auto ours = pixels("ours.exr", {});
+  EXPECT_EQ(pixels("default.exr", {"--preset", "default"}), ours);
+  const auto before = pixels("before.exr", {"--blend-support", "1.4", "--preset", "paper"});
+  EXPECT_EQ(pixels("after.exr", {"--preset", "paper", "--blend-support", "1.4"}), before);
+  EXPECT_NE(pixels("paper.exr", {"--preset", "paper"}), before);
+  EXPECT_EQ(
+      pixels("undone.exr", {"--total-derivatives", "--gradient-share", "1", "--dark-share", "0.2",
+                            "--joint-fit", "on", "--preset", "paper", "--blend-support", "1.4",
+                            "--max-normal-deviation", "0.15", "--sh-rule", "auto", "--sh-rays", "auto"}),
+      ours);
+}
+
+TEST_F(RenderCommand, RefusesUnknownPresets) {
+  const auto result = run_vrc(render({"-o", at("a.exr"), "--preset", "ours"}));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("default|paper"));
+}
+
 TEST_F(RenderCommand, TakesSeveralDefines) {
   const auto run = run_vrc(render({"-o", at("a.exr"), "-D", "first=1", "-D", "second=2"}));
   EXPECT_EQ(run.exit_code, 0) << run.err;

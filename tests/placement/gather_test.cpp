@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "placement_support.h"
 #include "transport/path_tracer.h"
@@ -158,6 +160,55 @@ TEST(Gather, FindsNothingUnderAnEmptySky) {
     EXPECT_EQ(e.luminance.value, 0.0);
     EXPECT_TRUE(std::isinf(e.hits.nearest));
     EXPECT_EQ(e.hits.mean_inverse, 0.0);
+  }
+}
+
+/// What gathers find of their surroundings that follow the bending surface, and that do not, over a lattice
+/// of the sites that the camera sees and `wanted` takes.
+template <typename Wanted>
+std::vector<std::pair<HitDistances, HitDistances>> distances_of(const Scene& scene, const Wanted& wanted) {
+  constexpr int kSide = 24;
+  std::vector<std::pair<HitDistances, HitDistances>> result;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const Vec2 share(((i % kSide) + 0.5) / kSide, ((i / kSide) + 0.5) / kSide);
+    const auto point =
+        test::seen_at(scene, share[0] * scene.camera().width, share[1] * scene.camera().height);
+    if (!point || !wanted(*point)) continue;
+    const RecordSite site = make_site(scene, *point, static_cast<std::uint64_t>(i));
+    RayCounts counts;
+    GatherOptions flat;
+    flat.total_derivative = false;
+    result.emplace_back(gather_radiance(scene, site, {}, counts).hits,
+                        gather_radiance(scene, site, flat, counts).hits);
+  }
+  return result;
+}
+
+TEST(Gather, TheHollowOfABowlIsNotNearToItself) {
+  const Scene scene = test::load_scene("object_bowl.xml", 128, 128);
+  const auto distances = distances_of(scene, [](const SurfacePoint& p) {
+    return p.shape_operator.trace() < 0.0 && p.shape_operator.determinant() > 0.0;
+  });
+  ASSERT_GT(distances.size(), 30u);
+  std::vector<double> ratios;
+  for (const auto& [total, flat] : distances) {
+    EXPECT_GE(total.nearest, flat.nearest);
+    EXPECT_EQ(total.mean_inverse, flat.mean_inverse);
+    ratios.push_back(total.nearest / flat.nearest);
+  }
+  std::ranges::nth_element(ratios, ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2));
+  EXPECT_GT(ratios[ratios.size() / 2], 3.0);
+}
+
+TEST(Gather, ATorusIsNearToItselfAndSoAreWallsOfABox) {
+  for (const char* name : {"object_torus.xml", "cornell_glossy.xml"}) {
+    const auto distances =
+        distances_of(test::load_scene(name, 128, 128), [](const SurfacePoint&) { return true; });
+    ASSERT_GT(distances.size(), 300u);
+    for (const auto& [total, flat] : distances) {
+      EXPECT_EQ(total.nearest, flat.nearest) << name;
+      EXPECT_EQ(total.nearest_direction, flat.nearest_direction) << name;
+    }
   }
 }
 

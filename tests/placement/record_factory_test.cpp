@@ -61,8 +61,8 @@ TEST(RecordFactory, SumsAbsoluteHessians) {
   const auto& m = record.harmonics->incident.coefficients;
   for (Eigen::Index j = 0; j < m.cols(); ++j) {
     const auto entry = [&](int k) {
-      return 0.212671 * static_cast<double>(m(k, j)) + 0.715160 * static_cast<double>(m(6 + k, j)) +
-             0.072169 * static_cast<double>(m(12 + k, j));
+      return kLuminance[0] * static_cast<double>(m(k, j)) + kLuminance[1] * static_cast<double>(m(6 + k, j)) +
+             kLuminance[2] * static_cast<double>(m(12 + k, j));
     };
     norm += std::abs(entry(0));
     largest += std::max(std::abs(entry(3)), std::abs(entry(5)));

@@ -9,6 +9,8 @@
 #include <immintrin.h>
 #endif
 
+#include "core/types.h"
+
 namespace vrc {
 
 // Sixteen lanes, the width of an Embree packet. The compiler splits them on narrower machines.
@@ -144,7 +146,8 @@ template <typename Vector3>
   return {select(mask, yes.x, no.x), select(mask, yes.y, no.y), select(mask, yes.z, no.z)};
 }
 [[nodiscard]] inline F16 luminance(const V3x16& c) {
-  return 0.212671f * c.x + 0.715160f * c.y + 0.072169f * c.z;
+  return static_cast<float>(kLuminance[0]) * c.x + static_cast<float>(kLuminance[1]) * c.y +
+         static_cast<float>(kLuminance[2]) * c.z;
 }
 
 }  // namespace vrc

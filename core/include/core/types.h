@@ -22,11 +22,13 @@ using Box3 = Eigen::AlignedBox3d;
 /// Linear RGB: radiance [W m^-2 sr^-1], intensity, or a dimensionless reflectance.
 using Rgb = Eigen::Array3f;
 
-/// Luminance of linear sRGB primaries (Rec. 709).
+/// What linear sRGB primaries (Rec. 709) add to luminance.
+inline constexpr double kLuminance[3] = {0.212671, 0.715160, 0.072169};
+
 template <typename Color>
 [[nodiscard]] inline auto luminance(const Color& c) {
   using Scalar = std::remove_cvref_t<decltype(c[0])>;
-  return Scalar(0.212671) * c[0] + Scalar(0.715160) * c[1] + Scalar(0.072169) * c[2];
+  return Scalar(kLuminance[0]) * c[0] + Scalar(kLuminance[1]) * c[1] + Scalar(kLuminance[2]) * c[2];
 }
 
 inline constexpr double kPi = 3.14159265358979323846;

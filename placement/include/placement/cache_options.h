@@ -65,14 +65,17 @@ struct CacheOptions {
   double max_normal_deviation = 0.15;  ///< theta_max of eq. 13. [rad]
   /// Of g g^T / L in the metric of eq. 4, for slopes where H passes 0; 0: eq. 4.
   double gradient_share = 1.0;
+  /// Of the picture's mean luminance, added in quadrature to the L of eq. 4 where that would vanish; 0: L.
+  double dark_share = 0.2;
   Strategy strategy = Strategy::kViewDependent;
   Representation representation = Representation::kHybrid;
   HarmonicsRule harmonics_rule = HarmonicsRule::kAuto;
   IrradianceDerivatives irradiance_derivatives = IrradianceDerivatives::kStrata;
   HarmonicsRays harmonics_rays = HarmonicsRays::kAuto;
-  int harmonics_order = 0;  ///< Of spherical harmonics; 0 chooses by the sharpest lobe that they suit.
-  bool guided = true;       ///< Records send their rays where their neighbours' rays found light.
-  bool joint_fit = true;    ///< Refine records by their neighbours' values, weighted by noise.
+  int harmonics_order = 0;     ///< Of spherical harmonics; 0 chooses by each material's own lobes.
+  double blend_support = 1.4;  ///< Regions are blended up to this multiple of their radii; 1: [Zhao eq. 13].
+  bool guided = true;          ///< Records send their rays where their neighbours' rays found light.
+  bool joint_fit = true;       ///< Refine records by their neighbours' values, weighted by noise.
 };
 
 }  // namespace vrc

@@ -41,9 +41,10 @@ struct GatherOptions {
 /// The shape operator of the surface along which a gather differentiates.
 [[nodiscard]] Mat2 followed_shape_operator(const RecordSite& site, const GatherOptions& options);
 
-/// How far the surroundings of a gather are.
+/// How far the surroundings of a gather are. Where the derivatives follow a concave surface, hits on this
+/// same hollow are no surroundings, except in the mean.
 struct HitDistances {
-  double nearest = 0.0;                   ///< Shortest ray; infinity when all escaped.
+  double nearest = 0.0;                   ///< Shortest ray; infinity when none counts.
   Vec3 nearest_direction = Vec3::Zero();  ///< Of that ray.
   Vec3 nearest_normal = Vec3::Zero();     ///< Geometric normal where it hit.
   double mean_inverse = 0.0;              ///< Mean of 1 / distance over the rays. [1/length]

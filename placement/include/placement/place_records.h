@@ -40,8 +40,6 @@ struct PlacementResult {
   bool unfinished = false;  ///< Stopped by the user: not every point is covered.
 };
 
-/// Regions are blended up to this multiple of their radii; records are placed by the radii themselves.
-inline constexpr double kBlendSupport = 1.4;
 /// Points that nothing covers are reached by regions widened so far before they get records.
 inline constexpr double kWideSupport = 3.0;
 

@@ -23,8 +23,9 @@ inline constexpr double kHarmonicsTurn = 0.5;
 /// The half axes of a region in a record's frame, as columns.
 [[nodiscard]] Mat2 half_axes(const ValidRegion& region, const Frame& frame);
 
-/// sqrt(L^2 + (0.2 mean)^2): the L of the relative error, kept away from 0 in the dark.
-[[nodiscard]] double perceived(double value, double mean_luminance);
+/// sqrt(L^2 + (dark_share mean)^2): the L of the relative error, kept away from 0 in the dark.
+[[nodiscard]] double perceived(double value, double mean_luminance,
+                               double dark_share = CacheOptions{}.dark_share);
 
 /// The accuracy of irradiance caching that stands for a threshold: radii are this share of the mean
 /// distance, and normals may differ by about 1.4 times as many radians. 0.2 at --error 0.03.
