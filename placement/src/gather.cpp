@@ -2,6 +2,7 @@
 #include "placement/gather.h"
 
 #include "gather_rays.h"
+#include "silhouettes.h"
 
 namespace vrc {
 namespace {
@@ -69,7 +70,7 @@ RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site, con
                                  RayCounts& counts) {
   GatherRays rays(scene, site, options, counts);
   RgbJet16 sum;
-  rays.for_each_packet([&](const GatherPacket16& packet) {
+  const auto add_packet = [&](const GatherPacket16& packet) {
     const Directions16 d = rays.directions_at_record(packet);
     // G without the cosine at x, which `shape_jet` holds: s / |r|^4.
     const UnitJet16 geometry = packet.facing * pow(packet.moving.jet_rr, -2.0f);
@@ -81,7 +82,15 @@ RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site, con
           },
           lobe);
     }
-  });
+  };
+  if (!options.occlusion_aware) {
+    rays.for_each_packet(add_packet);
+    return mean_of(sum, rays);
+  }
+  HitGrid hits((options.log2_rays + 1) / 2, options.log2_rays / 2);
+  rays.for_each_packet(add_packet, [&](F16 u1, F16 u2, const GatherPacket16& packet) { hits.store(u1, u2, packet); });
+  hits.close();
+  sum += silhouette_derivatives(hits, rays);
   return mean_of(sum, rays);
 }
 
