@@ -134,6 +134,9 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
       "--no-glossy-glossy", [&cache] { cache.glossy_glossy = false; },
       "Leave out the derivative of light reflected by glossy surfaces"));
   group(command.add_flag_callback(
+      "--no-occlusion", [&cache] { cache.occlusion_aware = false; },
+      "Leave out how silhouettes move over what is behind them"));
+  group(command.add_flag_callback(
       "--flat-derivatives", [&cache] { cache.total_derivative = cache.joint_weight = false; },
       "Derivatives and weights that do not know how surfaces bend, as in the paper"));
   group(add_choice(command, "--sampler", cache.sampler,

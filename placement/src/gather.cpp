@@ -88,7 +88,8 @@ RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site, con
     return mean_of(sum, rays);
   }
   HitGrid hits((options.log2_rays + 1) / 2, options.log2_rays / 2);
-  rays.for_each_packet(add_packet, [&](F16 u1, F16 u2, const GatherPacket16& packet) { hits.store(u1, u2, packet); });
+  rays.for_each_packet(add_packet,
+                       [&](F16 u1, F16 u2, const GatherPacket16& packet) { hits.store(u1, u2, packet); });
   hits.close();
   sum += silhouette_derivatives(hits, rays);
   return mean_of(sum, rays);

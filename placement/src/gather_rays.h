@@ -48,7 +48,8 @@ struct GatherPacket16 {
   V3x16 direction;      ///< Unit.
   F16 inverse_density;  ///< Of the rays per solid angle; 0 in lanes that found nothing.
   F16 distance;         ///< To the hit; infinite without one.
-  V3x16 tangent_plane;  ///< n_y / (n_y . (y - x)): times a direction, 1 / distance on the hit's tangent plane.
+  V3x16
+      tangent_plane;  ///< n_y / (n_y . (y - x)): times a direction, 1 / distance on the hit's tangent plane.
   MovingPoint16 moving;
   UnitJet16 facing;   ///< Of -n_y . (y - x): the cosine at the hit times the distance.
   RgbJet16 incident;  ///< Radiance that the hit sends back, derivatives divided by nothing.

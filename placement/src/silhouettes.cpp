@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <utility>
 
 namespace vrc {
 namespace {
@@ -15,6 +16,18 @@ using Field = HitGrid::Field;
 constexpr float kFlat = 1e-3f;
 // Tangent planes seen at a grazing angle are not extrapolated farther than this times the hit's distance.
 constexpr float kFarthestExtrapolation = 2.0f;
+// Pieces nearer to the horizon than about this angle are left out: the cosine makes them negligible. [rad]
+constexpr float kLowest = 1e-3f;
+// The cells that the far surface's radiance is fitted to. Cells are several times as long across the rows
+// as across the columns, so that the window is about square on the sphere.
+constexpr int kWindowColumns = 5, kWindowStep = 1, kWindowRows = 1;
+constexpr float kFewestCells = 4.5f;
+
+/// First column and the one after the last.
+std::pair<int, int> strategy_columns(const HitGrid& grid, const GatherStrategy& s) {
+  const auto columns = static_cast<float>(grid.columns());
+  return {static_cast<int>(s.begin * columns), static_cast<int>(s.end * columns)};
+}
 
 F16 load(const float* p) {
   F16 v;
@@ -62,83 +75,220 @@ Jump jump_between(const Corners& i, const Corners& j) {
   return {d0 * d1 > least, d0 > 0.0f, normalize(i.direction + j.direction)};
 }
 
-/// Straight pieces of silhouettes, sixteen at a time.
+/// The radiance of a far surface around one of its cells.
+enum FarField {
+  kMeanX,  // Mean direction of the cells that count.
+  kMeanY,
+  kMeanZ,
+  kMeanR,  // Mean radiance.
+  kMeanG,
+  kMeanB,
+  kAcrossX,  // Log-gradient of its luminance over directions.
+  kAcrossY,
+  kAcrossZ,
+  kMeanSlope1,  // Mean log-gradient as the record moves.
+  kMeanSlope2,
+  kFarFields
+};
+
+/// Straight pieces of silhouettes: found first, summed up sixteen at a time in the end.
 class Pieces {
  public:
-  Pieces(const HitGrid& grid, const GatherRays& rays) : grid_(grid), rays_(rays) {
+  Pieces(const HitGrid& grid, const GatherRays& rays) : grid_(grid), rays_(rays), storage_(thread_storage()) {
     n_ = splat3(rays.frame().normal);
     tangent_ = splat3(rays.frame().tangent);
     bitangent_ = splat3(rays.frame().bitangent);
+    storage_.pieces.clear();
+    storage_.far_cells.clear();
+    storage_.slot_of_cell.assign(static_cast<std::size_t>(grid.index(grid.columns(), 0)), -1);
   }
 
-  /// The pieces inside sixteen triangles, counter-clockwise as seen from outside the sphere.
+  /// Adds the pieces inside sixteen triangles, counter-clockwise as seen from outside the sphere.
   void add_triangles(int strategy, I16 valid, const Corners& a, const Corners& b, const Corners& c,
                      const std::array<Jump, 3>& jumps) {
     const I16 found[3] = {jumps[0].found & valid, jumps[1].found & valid, jumps[2].found & valid};
-    const I16 some = found[0] | found[1] | found[2];
-    if (!any(some)) return;
+    if (!any(found[0] | found[1] | found[2])) return;
     const I16 count = -(found[0] + found[1] + found[2]);
     V3x16 middle{};
     for (int e = 0; e < 3; ++e) middle += select(found[e], jumps[e].middle, V3x16{});
-    const V3x16 centre =
-        normalize(select(count == 1, a.direction + b.direction + c.direction, middle));
+    const V3x16 centre = normalize(select(count == 1, a.direction + b.direction + c.direction, middle));
     const I16 corner[4] = {a.index, b.index, c.index, a.index};
     for (int e = 0; e < 3; ++e) {
+      const V3x16& m = jumps[e].middle;
       for (std::uint32_t left = mask_bits(found[e]); left != 0; left &= left - 1) {
         const int lane = std::countr_zero(left);
         const bool first_is_near = jumps[e].first_is_near[lane] != 0;
         const int first = corner[e][lane], second = corner[e + 1][lane];
-        const int k = count_++;
-        near_[k] = first_is_near ? first : second;
-        far_[k] = first_is_near ? second : first;
-        side_[k] = first_is_near ? -1.0f : 1.0f;
-        strategy_[k] = strategy;
-        begin_.x[k] = jumps[e].middle.x[lane];
-        begin_.y[k] = jumps[e].middle.y[lane];
-        begin_.z[k] = jumps[e].middle.z[lane];
-        end_.x[k] = centre.x[lane];
-        end_.y[k] = centre.y[lane];
-        end_.z[k] = centre.z[lane];
-        if (count_ == kLanes) sum_up();
+        storage_.pieces.push_back({first_is_near ? first : second,
+                                   slot_of(first_is_near ? second : first, strategy),
+                                   first_is_near ? -1.0f : 1.0f,
+                                   {m.x[lane], m.y[lane], m.z[lane]},
+                                   {centre.x[lane], centre.y[lane], centre.z[lane]}});
       }
     }
   }
 
   [[nodiscard]] RgbJet16 total() {
-    sum_up();
+    fit_far_surfaces();
+    for (std::size_t begin = 0; begin < storage_.pieces.size(); begin += kLanes) add_to_sum(begin);
     return sum_;
   }
 
  private:
-  /// Adds the stored pieces to the sum.
-  void sum_up() {
-    const I16 valid = lane_index() < count_;
-    count_ = 0;
-    if (!any(valid)) return;
-    const I16 near = select(valid, near_, I16{}), far = select(valid, far_, I16{});
-    const V3x16 radiance = select(valid, gather3(grid_, Field::kRadianceR, far), V3x16{});
-    const V3x16 w = normalize(begin_ + end_);
-    const V3x16 nu = cross(w, end_ - begin_) * side_;
-    const F16 near_distance = gather(grid_.field(Field::kInverseDistance), near);
-    const F16 a =
-        max(dot(gather3(grid_, Field::kPlaneX, near), w), near_distance * (1.0f / kFarthestExtrapolation));
-    const F16 b = max(dot(gather3(grid_, Field::kPlaneX, far), w), 0.0f);
-    const F16 mean = max(0.5f * (a + b), 1e-12f);
+  struct Piece {
+    int near;      // Cell of the near surface.
+    int far_slot;  // Of its neighbour, in `far_cells`.
+    float side;    // -1 where the near cell is the first of the edge's corners, 1 where the second.
+    float begin[3], end[3];
+  };
+  struct FarCell {
+    int cell, strategy;
+  };
+  struct Storage {
+    std::vector<Piece> pieces;
+    std::vector<FarCell> far_cells;
+    std::vector<int> slot_of_cell;
+    std::vector<float> far_values;  // kFarFields blocks of sixteen for every sixteen far cells
+  };
+  static Storage& thread_storage() {
+    static thread_local Storage storage;
+    return storage;
+  }
 
+  [[nodiscard]] int slot_of(int cell, int strategy) {
+    // The row after the last one repeats the first.
+    const int stride = grid_.index(1, 0);
+    if (cell % stride == grid_.rows()) cell -= grid_.rows();
+    int& slot = storage_.slot_of_cell[static_cast<std::size_t>(cell)];
+    if (slot < 0) {
+      slot = static_cast<int>(storage_.far_cells.size());
+      storage_.far_cells.push_back({cell, strategy});
+    }
+    return slot;
+  }
+
+  void fit_far_surfaces() {
+    const std::size_t count = storage_.far_cells.size();
+    storage_.far_values.resize((count + kLanes) * kFarFields);
+    for (std::size_t begin = 0; begin < count; begin += kLanes) {
+      I16 column{}, row{}, first{}, last{};
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const FarCell& far = storage_.far_cells[std::min(begin + static_cast<std::size_t>(lane), count - 1)];
+        const auto [from, to] =
+            strategy_columns(grid_, rays_.strategies()[static_cast<std::size_t>(far.strategy)]);
+        column[lane] = far.cell / grid_.index(1, 0);
+        row[lane] = far.cell % grid_.index(1, 0);
+        first[lane] = from;
+        last[lane] = to - 1;
+      }
+      fit_far_surface(column, row, first, last, storage_.far_values.data() + begin * kFarFields);
+    }
+  }
+
+  /// A plane through the luminance over the cells around the given ones, on the same surfaces and inside the
+  /// strategies' columns; its gradient is divided by the value at the mean direction.
+  void fit_far_surface(I16 column, I16 row, I16 first, I16 last, float* out) const {
+    const int stride = grid_.index(1, 0);
+    const I16 centre = column * stride + row;
+    const V3x16 plane = gather3(grid_, Field::kPlaneX, centre);
+    const V3x16 origin = gather3(grid_, Field::kDirectionX, centre);
+    const Tangents16 e = tangents(origin);
+    F16 n{}, u{}, v{}, uu{}, uv{}, vv{}, l{}, ul{}, vl{}, slope1{}, slope2{};
+    V3x16 radiance{}, direction{};
+    for (int c = -kWindowColumns; c <= kWindowColumns; c += kWindowStep) {
+      const I16 inside = (column + c >= first) & (column + c <= last);
+      const I16 start = select(inside, column + c, column) * stride;
+      for (int r = -kWindowRows; r <= kWindowRows; ++r) {
+        const I16 index = start + ((row + r) & (grid_.rows() - 1));
+        const V3x16 o = gather3(grid_, Field::kDirectionX, index);
+        const F16 inverse = gather(grid_.field(Field::kInverseDistance), index);
+        const I16 counts = (inside & (abs(dot(plane, o) - inverse) < kFlat * inverse)) | (index == centre);
+        if (!any(counts)) continue;
+        const V3x16 rgb = select(counts, gather3(grid_, Field::kRadianceR, index), V3x16{});
+        const F16 lum = luminance(rgb);
+        const F16 ou = select(counts, dot(o, e.s), F16{}), ov = select(counts, dot(o, e.t), F16{});
+        n += select(counts, splat(1.0f), F16{});
+        direction += select(counts, o, V3x16{});
+        radiance += rgb;
+        u += ou;
+        v += ov;
+        uu += ou * ou;
+        uv += ou * ov;
+        vv += ov * ov;
+        l += lum;
+        ul += ou * lum;
+        vl += ov * lum;
+        slope1 += lum * gather(grid_.field(Field::kSlope1), index);
+        slope2 += lum * gather(grid_.field(Field::kSlope2), index);
+      }
+    }
+    const F16 inverse_n = 1.0f / n;
+    const F16 inverse_l = select(l > 1e-20f, 1.0f / max(l, 1e-20f), F16{});
+    const F16 cuu = uu - u * u * inverse_n, cuv = uv - u * v * inverse_n, cvv = vv - v * v * inverse_n;
+    const F16 cul = ul - u * l * inverse_n, cvl = vl - v * l * inverse_n;
+    const F16 determinant = cuu * cvv - cuv * cuv;
+    const I16 determined = (n > kFewestCells) & (determinant > 1e-3f * cuu * cvv) & (determinant > 1e-20f);
+    const F16 scale = select(determined, n * inverse_l / max(determinant, 1e-20f), F16{});
+    const V3x16 across = e.s * ((cvv * cul - cuv * cvl) * scale) + e.t * ((cuu * cvl - cuv * cul) * scale);
+    const V3x16 mean_direction = direction * inverse_n, mean_radiance = radiance * inverse_n;
+    const F16 values[kFarFields] = {mean_direction.x, mean_direction.y,   mean_direction.z,  mean_radiance.x,
+                                    mean_radiance.y,  mean_radiance.z,    across.x,          across.y,
+                                    across.z,         slope1 * inverse_l, slope2 * inverse_l};
+    for (int f = 0; f < kFarFields; ++f) __builtin_memcpy(out + f * kLanes, &values[f], sizeof(F16));
+  }
+
+  void add_to_sum(std::size_t begin) {
+    const auto count = static_cast<int>(std::min<std::size_t>(kLanes, storage_.pieces.size() - begin));
+    I16 near{}, far{}, slot{}, strategy{};
+    F16 side{};
+    V3x16 from = n_, to = n_;
+    for (int lane = 0; lane < count; ++lane) {
+      const Piece& p = storage_.pieces[begin + static_cast<std::size_t>(lane)];
+      const FarCell& f = storage_.far_cells[static_cast<std::size_t>(p.far_slot)];
+      near[lane] = p.near;
+      far[lane] = f.cell;
+      strategy[lane] = f.strategy;
+      slot[lane] = (p.far_slot / kLanes) * (kLanes * kFarFields) + p.far_slot % kLanes;
+      side[lane] = p.side;
+      from.x[lane] = p.begin[0];
+      from.y[lane] = p.begin[1];
+      from.z[lane] = p.begin[2];
+      to.x[lane] = p.end[0];
+      to.y[lane] = p.end[1];
+      to.z[lane] = p.end[2];
+    }
+    const I16 up = (lane_index() < count) & (dot(from + to, n_) > kLowest);
+    const V3x16 w = normalize(select(up, from + to, n_));
+    const V3x16 nu = cross(w, to - from) * side;
+    const auto of_far = [&](int field) { return gather(storage_.far_values.data() + field * kLanes, slot); };
+    const auto of_far3 = [&](int field) {
+      return V3x16{of_far(field), of_far(field + 1), of_far(field + 2)};
+    };
+    const V3x16 across = of_far3(kAcrossX);
+    // The fitted radiance at w; as far from the mean as the edge of the cells that it was fitted to.
+    const F16 trend = min(max(1.0f + dot(across, w - of_far3(kMeanX)), 0.0f), 3.0f);
+    const V3x16 radiance = select(up, of_far3(kMeanR) * trend, V3x16{});
+
+    const F16 nearest_a =
+        gather(grid_.field(Field::kInverseDistance), near) * (1.0f / kFarthestExtrapolation);
+    const F16 a = max(dot(gather3(grid_, Field::kPlaneX, near), w), nearest_a);
+    const F16 b = max(dot(gather3(grid_, Field::kPlaneX, far), w), 0.0f);
     const Directions16 d = rays_.directions_at_record(w);
-    const F16 swept = (a - b) * balance_weight(d);
+    const F16 swept = (a - b) * balance_weight(strategy, d);
+    // Points of the strip lie on the far surface (b - s) d from where the fixed hits are.
+    const F16 lag = 0.5f * (b - a) / max(trend, 0.2f);
+    const F16 far1 = of_far(kMeanSlope1) + lag * dot(across, tangent_);
+    const F16 far2 = of_far(kMeanSlope2) + lag * dot(across, bitangent_);
     const F16 nu1 = dot(nu, tangent_), nu2 = dot(nu, bitangent_), nun = dot(nu, n_);
+    const F16 mean = max(0.5f * (a + b), 1e-12f);
     const MovingPoint16 moving = moving_point(rays_.frame(), w * (1.0f / mean));
     const UnitJet16 spread = pow(moving.jet_rr, -2.0f);
-    const F16 slope1 = gather(grid_.field(Field::kSlope1), far);
-    const F16 slope2 = gather(grid_.field(Field::kSlope2), far);
     for (const Lobe& lobe : rays_.bsdf().lobes) {
       std::visit(
           [&](const auto& l) {
-            const F16 size = select(valid & (d.cos_i > 0.0f), shape(l, d) * swept, F16{});
-            const V3x16 weight = radiance * tint(l, d) * size;
+            const V3x16 weight = radiance * tint(l, d) * (shape(l, d) * swept);
             const UnitJet16 jet = shape_jet(l, moving);
-            const F16 p1 = jet.g1 + spread.g1 + slope1, p2 = jet.g2 + spread.g2 + slope2;
+            const F16 p1 = jet.g1 + spread.g1 + far1, p2 = jet.g2 + spread.g2 + far2;
             sum_.g1 += weight * nu1;
             sum_.g2 += weight * nu2;
             sum_.h11 += weight * (2.0f * p1 * nu1 - nun * moving.s11);
@@ -150,24 +300,21 @@ class Pieces {
   }
 
   /// Of the strategies that the pieces were found by.
-  [[nodiscard]] F16 balance_weight(const Directions16& d) const {
+  [[nodiscard]] F16 balance_weight(I16 strategy, const Directions16& d) const {
     F16 own{}, all{};
     const auto& strategies = rays_.strategies();
     for (std::size_t s = 0; s < strategies.size(); ++s) {
       const F16 density = (strategies[s].end - strategies[s].begin) * rays_.strategy_pdf(strategies[s], d);
       all += density;
-      own = select(strategy_ == static_cast<int>(s), density, own);
+      own = select(strategy == static_cast<int>(s), density, own);
     }
     return own / max(all, 1e-30f);
   }
 
   const HitGrid& grid_;
   const GatherRays& rays_;
+  Storage& storage_;
   V3x16 n_, tangent_, bitangent_;
-  int count_ = 0;
-  I16 near_{}, far_{}, strategy_{};
-  F16 side_{};  // -1 where the first of the edge's corners is near
-  V3x16 begin_{}, end_{};
   RgbJet16 sum_;
 };
 
@@ -196,7 +343,8 @@ HitGrid::HitGrid(int columns_log2, int rows_log2)
 }
 
 void HitGrid::store(F16 u1, F16 u2, const GatherPacket16& packet) {
-  const I16 slot = to_int(u1 * static_cast<float>(columns_)) * stride_ + to_int(u2 * static_cast<float>(rows_));
+  const I16 slot =
+      to_int(u1 * static_cast<float>(columns_)) * stride_ + to_int(u2 * static_cast<float>(rows_));
   const F16 brightness = luminance(packet.incident.value);
   const F16 inverse = select(brightness > 0.0f, 1.0f / max(brightness, 1e-30f), F16{});
   const F16 fields[kFields] = {packet.direction.x,
@@ -230,8 +378,7 @@ RgbJet16 silhouette_derivatives(const HitGrid& grid, const GatherRays& rays) {
   const auto& strategies = rays.strategies();
   const I16 all = splat(-1);
   for (std::size_t s = 0; s < strategies.size(); ++s) {
-    const auto column = [&](float share) { return static_cast<int>(share * static_cast<float>(grid.columns())); };
-    const int first = column(strategies[s].begin), last = column(strategies[s].end) - 1;
+    const auto [first, end] = strategy_columns(grid, strategies[s]);
     const auto strategy = static_cast<int>(s);
     // The first column goes around the pole: its polygon is cut into a ladder.
     for (int row = 0; row < rows / 2 - 1; row += kLanes) {
@@ -242,7 +389,7 @@ RgbJet16 silhouette_derivatives(const HitGrid& grid, const GatherRays& rays) {
       add_cells(pieces, strategy, valid, gather_corners(grid, a), gather_corners(grid, a + 1),
                 gather_corners(grid, d - select(valid, splat(1), I16{})), gather_corners(grid, d));
     }
-    for (int c = first; c < last; ++c) {
+    for (int c = first; c + 1 < end; ++c) {
       for (int row = 0; row < rows; row += kLanes) {
         const int here = grid.index(c, row), beyond = grid.index(c + 1, row);
         add_cells(pieces, strategy, all, load_corners(grid, here), load_corners(grid, beyond),
