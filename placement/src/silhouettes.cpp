@@ -22,6 +22,10 @@ constexpr float kLowest = 1e-3f;
 // as across the columns, so that the window is about square on the sphere.
 constexpr int kWindowColumns = 5, kWindowStep = 1, kWindowRows = 1;
 constexpr float kFewestCells = 4.5f;
+// Keeps the fields of a cell out of each other's cache sets; a multiple of the lanes.
+constexpr std::size_t kFieldPadding = 5 * kLanes;
+// The fitted radiance is a share of the mean; its log-gradient divides by at least this share.
+constexpr float kLeastTrend = 0.2f;
 
 /// First column and the one after the last.
 std::pair<int, int> strategy_columns(const HitGrid& grid, const GatherStrategy& s) {
@@ -33,6 +37,18 @@ F16 load(const float* p) {
   F16 v;
   __builtin_memcpy(&v, p, sizeof(v));
   return v;
+}
+
+/// v[index[i]] for every lane.
+F16 permuted(F16 v, I16 index) {
+#if defined(__AVX512F__)
+  return std::bit_cast<F16>(
+      _mm512_maskz_permutexvar_ps(0xffff, std::bit_cast<__m512i>(index), std::bit_cast<__m512>(v)));
+#else
+  F16 result;
+  for (int i = 0; i < kLanes; ++i) result[i] = v[index[i]];
+  return result;
+#endif
 }
 
 /// One corner of sixteen cells.
@@ -65,14 +81,13 @@ Corners gather_corners(const HitGrid& grid, I16 index) {
 struct Jump {
   I16 found;
   I16 first_is_near;
-  V3x16 middle;  ///< Unit; of the edge between the two.
 };
 
-Jump jump_between(const Corners& i, const Corners& j) {
+inline Jump jump_between(const Corners& i, const Corners& j) {
   const F16 d0 = i.inverse_distance - dot(j.plane, i.direction);
   const F16 d1 = dot(i.plane, j.direction) - j.inverse_distance;
   const F16 least = (kFlat * kFlat) * (i.inverse_distance * j.inverse_distance);
-  return {d0 * d1 > least, d0 > 0.0f, normalize(i.direction + j.direction)};
+  return {d0 * d1 > least, d0 > 0.0f};
 }
 
 /// The radiance of a far surface around one of its cells.
@@ -109,16 +124,21 @@ class Pieces {
     const I16 found[3] = {jumps[0].found & valid, jumps[1].found & valid, jumps[2].found & valid};
     if (!any(found[0] | found[1] | found[2])) return;
     const I16 count = -(found[0] + found[1] + found[2]);
-    V3x16 middle{};
-    for (int e = 0; e < 3; ++e) middle += select(found[e], jumps[e].middle, V3x16{});
-    const V3x16 centre = normalize(select(count == 1, a.direction + b.direction + c.direction, middle));
-    const I16 corner[4] = {a.index, b.index, c.index, a.index};
+    const V3x16 middles[3] = {normalize(a.direction + b.direction), normalize(b.direction + c.direction),
+                              normalize(c.direction + a.direction)};
+    V3x16 sum{};
+    for (int e = 0; e < 3; ++e) sum += select(found[e], middles[e], V3x16{});
+    const V3x16 centre = normalize(select(count == 1, a.direction + b.direction + c.direction, sum));
+    const Corners* corner[4] = {&a, &b, &c, &a};
     for (int e = 0; e < 3; ++e) {
-      const V3x16& m = jumps[e].middle;
-      for (std::uint32_t left = mask_bits(found[e]); left != 0; left &= left - 1) {
+      const V3x16& m = middles[e];
+      // A sky behind the silhouette sends no indirect light.
+      const I16 lit =
+          select(jumps[e].first_is_near, corner[e + 1]->inverse_distance, corner[e]->inverse_distance) > 0.0f;
+      for (std::uint32_t left = mask_bits(found[e] & lit); left != 0; left &= left - 1) {
         const int lane = std::countr_zero(left);
         const bool first_is_near = jumps[e].first_is_near[lane] != 0;
-        const int first = corner[e][lane], second = corner[e + 1][lane];
+        const int first = corner[e]->index[lane], second = corner[e + 1]->index[lane];
         storage_.pieces.push_back({first_is_near ? first : second,
                                    slot_of(first_is_near ? second : first, strategy),
                                    first_is_near ? -1.0f : 1.0f,
@@ -276,7 +296,7 @@ class Pieces {
     const Directions16 d = rays_.directions_at_record(w);
     const F16 swept = (a - b) * balance_weight(strategy, d);
     // Points of the strip lie on the far surface (b - s) d from where the fixed hits are.
-    const F16 lag = 0.5f * (b - a) / max(trend, 0.2f);
+    const F16 lag = 0.5f * (b - a) / max(trend, kLeastTrend);
     const F16 far1 = of_far(kMeanSlope1) + lag * dot(across, tangent_);
     const F16 far2 = of_far(kMeanSlope2) + lag * dot(across, bitangent_);
     const F16 nu1 = dot(nu, tangent_), nu2 = dot(nu, bitangent_), nun = dot(nu, n_);
@@ -323,8 +343,9 @@ void add_cells(Pieces& pieces, int strategy, I16 valid, const Corners& a, const 
                const Corners& d) {
   const Jump ab = jump_between(a, b), bc = jump_between(b, c), ca = jump_between(c, a);
   const Jump cd = jump_between(c, d), da = jump_between(d, a);
+  if (!any(valid & (ab.found | bc.found | ca.found | cd.found | da.found))) return;
   pieces.add_triangles(strategy, valid, a, b, c, {ab, bc, ca});
-  const Jump ac = {ca.found, ~ca.first_is_near, ca.middle};
+  const Jump ac = {ca.found, ~ca.first_is_near};
   pieces.add_triangles(strategy, valid, a, c, d, {ac, cd, da});
 }
 
@@ -334,7 +355,7 @@ HitGrid::HitGrid(int columns_log2, int rows_log2)
     : columns_(1 << columns_log2),
       rows_(1 << rows_log2),
       stride_(rows_ + kLanes),
-      field_size_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(stride_)),
+      field_size_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(stride_) + kFieldPadding),
       values_([]() -> std::vector<float>& {
         static thread_local std::vector<float> storage;
         return storage;
@@ -343,8 +364,12 @@ HitGrid::HitGrid(int columns_log2, int rows_log2)
 }
 
 void HitGrid::store(F16 u1, F16 u2, const GatherPacket16& packet) {
-  const I16 slot =
-      to_int(u1 * static_cast<float>(columns_)) * stride_ + to_int(u2 * static_cast<float>(rows_));
+  // Sixteen points fill a block of 4 x 4 cells in any order [SobolGrid]: sorted, they are four runs.
+  const I16 column = to_int(u1 * static_cast<float>(columns_)), row = to_int(u2 * static_cast<float>(rows_));
+  const I16 place = (column & 3) * 4 + (row & 3);
+  I16 sorted{};
+  for (int lane = 0; lane < kLanes; ++lane) sorted[place[lane] & 15] = lane;
+  const auto corner = static_cast<std::size_t>(index(column[0] & ~3, row[0] & ~3));
   const F16 brightness = luminance(packet.incident.value);
   const F16 inverse = select(brightness > 0.0f, 1.0f / max(brightness, 1e-30f), F16{});
   const F16 fields[kFields] = {packet.direction.x,
@@ -360,8 +385,11 @@ void HitGrid::store(F16 u1, F16 u2, const GatherPacket16& packet) {
                                luminance(packet.incident.g1) * inverse,
                                luminance(packet.incident.g2) * inverse};
   for (int f = 0; f < kFields; ++f) {
-    float* base = values_.data() + static_cast<std::size_t>(f) * field_size_;
-    for (int lane = 0; lane < kLanes; ++lane) base[slot[lane]] = fields[f][lane];
+    float* base = values_.data() + static_cast<std::size_t>(f) * field_size_ + corner;
+    const F16 values = permuted(fields[f], sorted);
+    for (int run = 0; run < 4; ++run)
+      __builtin_memcpy(base + run * stride_, reinterpret_cast<const float*>(&values) + 4 * run,
+                       4 * sizeof(float));
   }
 }
 
