@@ -22,6 +22,9 @@ constexpr float kLowest = 1e-3f;
 // as across the columns, so that the window is about square on the sphere.
 constexpr int kWindowColumns = 5, kWindowStep = 1, kWindowRows = 1;
 constexpr float kFewestCells = 4.5f;
+// Successive pieces that go to the same partial sum: their errors are correlated by shared cells, and the
+// spread of the partial sums must show that.
+constexpr std::size_t kRun = 16;
 // Keeps the fields of a cell out of each other's cache sets; a multiple of the lanes.
 constexpr std::size_t kFieldPadding = 5 * kLanes;
 // The fitted radiance is a share of the mean; its log-gradient divides by at least this share.
@@ -150,7 +153,9 @@ class Pieces {
 
   [[nodiscard]] RgbJet16 total() {
     fit_far_surfaces();
-    for (std::size_t begin = 0; begin < storage_.pieces.size(); begin += kLanes) add_to_sum(begin);
+    for (std::size_t begin = 0; begin < storage_.pieces.size(); begin += kLanes * kRun) {
+      for (std::size_t k = 0; k < kRun; ++k) add_to_sum(begin + k);
+    }
     return sum_;
   }
 
@@ -257,13 +262,17 @@ class Pieces {
     for (int f = 0; f < kFarFields; ++f) __builtin_memcpy(out + f * kLanes, &values[f], sizeof(F16));
   }
 
+  /// Adds piece `begin` and those kRun, 2 kRun, ... after it.
   void add_to_sum(std::size_t begin) {
-    const auto count = static_cast<int>(std::min<std::size_t>(kLanes, storage_.pieces.size() - begin));
+    I16 valid{};
     I16 near{}, far{}, slot{}, strategy{};
     F16 side{};
     V3x16 from = n_, to = n_;
-    for (int lane = 0; lane < count; ++lane) {
-      const Piece& p = storage_.pieces[begin + static_cast<std::size_t>(lane)];
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const std::size_t index = begin + static_cast<std::size_t>(lane) * kRun;
+      if (index >= storage_.pieces.size()) break;
+      valid[lane] = -1;
+      const Piece& p = storage_.pieces[index];
       const FarCell& f = storage_.far_cells[static_cast<std::size_t>(p.far_slot)];
       near[lane] = p.near;
       far[lane] = f.cell;
@@ -277,7 +286,7 @@ class Pieces {
       to.y[lane] = p.end[1];
       to.z[lane] = p.end[2];
     }
-    const I16 up = (lane_index() < count) & (dot(from + to, n_) > kLowest);
+    const I16 up = valid & (dot(from + to, n_) > kLowest);
     const V3x16 w = normalize(select(up, from + to, n_));
     const V3x16 nu = cross(w, to - from) * side;
     const auto of_far = [&](int field) { return gather(storage_.far_values.data() + field * kLanes, slot); };

@@ -67,7 +67,8 @@ class HitGrid {
 /// The silhouettes are found between neighbours of the grid whose hits lie on the same side of each other's
 /// tangent planes, once in every strategy's columns, with the balance heuristic's weights.
 /// Returns sums that count like those of the rays: their mean is the sum over all rays divided by
-/// `rays.ray_count()`. The value is 0; the sixteen partial sums share out the pieces of silhouettes.
+/// `rays.ray_count()`. The value is 0; the sixteen partial sums get runs of neighbouring pieces. The sum's
+/// bias falls with the size of the cells: unlike the rays' own mean it depends on their number.
 [[nodiscard]] RgbJet16 silhouette_derivatives(const HitGrid& grid, const GatherRays& rays);
 
 }  // namespace vrc
