@@ -149,6 +149,8 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
   group(command.add_flag_callback(
       "--no-glossy-glossy", [&cache] { cache.glossy_glossy = false; },
       "Leave out the derivative of light reflected by glossy surfaces"));
+  group(add_choice(command, "--occlusion", cache.occlusion_aware, {{"on", true}, {"off", false}},
+                   "Derivatives know how silhouettes move over what is behind them"));
   CLI::Option* flat = group(command.add_flag_callback(
       "--flat-derivatives", [&cache] { cache.total_derivative = cache.joint_weight = false; },
       "Derivatives and weights that do not know how surfaces bend, as in the paper"));
@@ -156,9 +158,8 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
             "--total-derivatives", [&cache] { cache.total_derivative = cache.joint_weight = true; },
             "Those that know it; the default without --preset paper"))
       ->excludes(flat);
-  group(command.add_flag_callback(
-      "--unguided", [&cache] { cache.guided = false; },
-      "Send gather rays by the material alone, not where the rays of nearby records found light"));
+  group(add_choice(command, "--guided", cache.guided, {{"on", true}, {"off", false}},
+                   "Gather rays go where those of nearby records found light, not by the material alone"));
   group(add_choice(command, "--sampler", cache.sampler,
                    {{"image", Sampler::kImage}, {"surface", Sampler::kSurface}},
                    "Place records by the picture's pixels, or around each other over the surfaces"));

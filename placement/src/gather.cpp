@@ -2,6 +2,7 @@
 #include "placement/gather.h"
 
 #include "gather_rays.h"
+#include "silhouettes.h"
 
 namespace vrc {
 namespace {
@@ -79,7 +80,7 @@ RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site, con
   GatherRays rays(scene, site, options, counts, guidance.guide);
   RgbJet16 sum;
   if (guidance.found != nullptr) *guidance.found = {};
-  rays.for_each_packet([&](const GatherPacket16& packet) {
+  const auto add_packet = [&](const GatherPacket16& packet) {
     const Directions16 d = rays.directions_at_record(packet);
     // G without the cosine at x, which `shape_jet` holds: s / |r|^4.
     const UnitJet16 geometry = packet.facing * pow(packet.moving.jet_rr, -2.0f);
@@ -93,7 +94,16 @@ RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site, con
           lobe);
     }
     if (guidance.found != nullptr) note(packet, luminance(sum.value - before), *guidance.found);
-  });
+  };
+  if (options.occlusion_aware) {
+    HitGrid hits((options.log2_rays + 1) / 2, options.log2_rays / 2);
+    rays.for_each_packet(add_packet,
+                         [&](F16 u1, F16 u2, const GatherPacket16& packet) { hits.store(u1, u2, packet); });
+    hits.close();
+    sum += silhouette_derivatives(hits, rays);
+  } else {
+    rays.for_each_packet(add_packet);
+  }
   if (guidance.found != nullptr) {
     const auto scale = static_cast<float>(GuideHistogram::kCells / rays.ray_count());
     for (float& v : guidance.found->mean_square) v *= scale;

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "core/hash.h"
 
@@ -89,6 +90,14 @@ GatherRays::GatherRays(const Scene& scene, const RecordSite& site, const GatherO
     for (const GatherStrategy& s : strategies_)
       first_columns.push_back(static_cast<int>(s.begin * GuideHistogram::kColumns));
     warp_.emplace(*guide, first_columns);
+    for (std::size_t i = 0; i < strategies_.size(); ++i) {
+      const auto in_steps = [&](float v) {
+        return std::round(v * GuideWarp::kStrategySteps) / GuideWarp::kStrategySteps;
+      };
+      strategies_[i].first_point = in_steps(warp_->start(first_columns[i]));
+      strategies_[i].last_point =
+          i + 1 < strategies_.size() ? in_steps(warp_->start(first_columns[i + 1])) : 1.0f;
+    }
   }
 }
 
@@ -114,10 +123,13 @@ bool GatherRays::trace(F16 density, F16 u1, F16 u2, std::uint32_t first_index, G
   rays_ += kLanes;
   packet.distance = select(hit.hit, hit.t, splat(std::numeric_limits<float>::infinity()));
   note_distances(packet, hit);
+  const V3x16 to_hit = hit.position - splat3(frame_.x);
+  const F16 height = -max(-dot(hit.geometric_normal, to_hit), 1e-5f * hit.t);
+  packet.tangent_plane = select(hit.hit, hit.geometric_normal * (1.0f / height), V3x16{});
   const I16 lit = hit.scatters;
   if (!any(lit)) return false;
 
-  const V3x16 r = select(lit, hit.position - splat3(frame_.x), normal_);
+  const V3x16 r = select(lit, to_hit, normal_);
   packet.moving = moving_point(frame_, r);
   add_direct_light(lit, hit, u1, u2, packet);
   if (options_.bounces != 1) add_bounced_light(lit, hit, first_index, packet);
@@ -157,15 +169,21 @@ V3x16 GatherRays::sample_direction(const GatherStrategy& s, F16 u1, F16 u2) cons
   return std::visit([&](const auto& l) { return sample(l, normal_, to_camera_, stretched, u2); }, *s.lobe);
 }
 
+F16 GatherRays::strategy_pdf(const GatherStrategy& strategy, const Directions16& d) const {
+  switch (strategy.kind) {
+    case GatherStrategy::Kind::kCosine:
+      return pdf(LambertLobe{}, d);
+    case GatherStrategy::Kind::kUniform:
+      return splat(static_cast<float>(0.5 / kPi));
+    case GatherStrategy::Kind::kLobe:
+      break;
+  }
+  return std::visit([&](const auto& l) { return pdf(l, d); }, *strategy.lobe);
+}
+
 F16 GatherRays::mixture_pdf(const Directions16& d) const {
   F16 sum{};
-  for (const GatherStrategy& s : strategies_) {
-    F16 density = splat(static_cast<float>(0.5 / kPi));
-    if (s.kind == GatherStrategy::Kind::kCosine) density = pdf(LambertLobe{}, d);
-    if (s.kind == GatherStrategy::Kind::kLobe)
-      density = std::visit([&](const auto& l) { return pdf(l, d); }, *s.lobe);
-    sum += (s.end - s.begin) * density;
-  }
+  for (const GatherStrategy& s : strategies_) sum += (s.end - s.begin) * strategy_pdf(s, d);
   return sum;
 }
 

@@ -16,6 +16,15 @@ namespace vrc {
 struct RgbJet16 {
   V3x16 value{}, g1{}, g2{}, h11{}, h12{}, h22{};
 
+  RgbJet16& operator+=(const RgbJet16& o) {
+    value += o.value;
+    g1 += o.g1;
+    g2 += o.g2;
+    h11 += o.h11;
+    h12 += o.h12;
+    h22 += o.h22;
+    return *this;
+  }
   /// Adds c j, j the unit jet of c.
   void add(const V3x16& c, const UnitJet16& j) {
     value += c;
@@ -43,6 +52,8 @@ struct GatherPacket16 {
   F16 warp_density;     ///< What a guide contributed to the density.
   I16 cell;             ///< Of the guide.
   F16 distance;         ///< To the hit; infinite without one.
+  V3x16
+      tangent_plane;  ///< n_y / (n_y . (y - x)): times a direction, 1 / distance on the hit's tangent plane.
   MovingPoint16 moving;
   UnitJet16 facing;   ///< Of -n_y . (y - x): the cosine at the hit times the distance.
   RgbJet16 incident;  ///< Radiance that the hit sends back, derivatives divided by nothing.
@@ -56,6 +67,7 @@ struct GatherStrategy {
   Kind kind = Kind::kCosine;
   const Lobe* lobe = nullptr;
   float begin = 0.0f, end = 1.0f;
+  float first_point = begin, last_point = end;  ///< Points of the grid that a guide moves there.
 };
 
 /// The rays of one record's gather.
@@ -68,6 +80,11 @@ class GatherRays {
   /// Calls body(packet) for all packets of the gather that found light.
   template <typename Body>
   void for_each_packet(const Body& body) {
+    for_each_packet(body, [](F16, F16, const GatherPacket16&) {});
+  }
+  /// And note(u1, u2, packet) for all packets; u1, u2 are the coordinates of their points in the Sobol grid.
+  template <typename Body, typename Note>
+  void for_each_packet(const Body& body, const Note& note) {
     static thread_local SobolGrid grid;  // storage only: filled anew for every record
     fill_sobol_grid(grid, options_.log2_rays, sobol_seed_);
     for (std::size_t i = 0; i < grid.size(); i += kLanes) {
@@ -76,6 +93,7 @@ class GatherRays {
       GatherPacket16 packet;
       const F16 density = choose_direction(u[0], u[1], packet);
       if (trace(density, u[2], u[3], static_cast<std::uint32_t>(i), packet)) body(packet);
+      note(u[0], u[1], packet);
     }
   }
 
@@ -85,15 +103,23 @@ class GatherRays {
 
   /// Traces the packet's directions, which were chosen with `density` per solid angle; `u1` and `u2` choose
   /// the light at the hits, `first_index` names the rays for further bounces. False when no ray found a
-  /// surface that reflects: then only `distance` is set.
+  /// surface that reflects: then only `distance` and
+  /// `tangent_plane` are set.
   bool trace(F16 density, F16 u1, F16 u2, std::uint32_t first_index, GatherPacket16& packet);
 
   [[nodiscard]] const Bsdf& bsdf() const { return bsdf_; }
+  [[nodiscard]] const RecordFrame& frame() const { return frame_; }
+  [[nodiscard]] const std::vector<GatherStrategy>& strategies() const { return strategies_; }
+  /// Density of a strategy per solid angle, not multiplied by its share.
+  [[nodiscard]] F16 strategy_pdf(const GatherStrategy& strategy, const Directions16& d) const;
   /// Rays traced.
   [[nodiscard]] double ray_count() const { return static_cast<double>(rays_); }
-  /// The pair of directions of a packet at the record.
+  /// The pair of directions at the record, of which one is incident.
+  [[nodiscard]] Directions16 directions_at_record(const V3x16& direction) const {
+    return directions(normal_, to_camera_, direction);
+  }
   [[nodiscard]] Directions16 directions_at_record(const GatherPacket16& packet) const {
-    return directions(normal_, to_camera_, packet.direction);
+    return directions_at_record(packet.direction);
   }
   /// Fills in the distances of the hits.
   void describe_hits(HitDistances& hits) const;

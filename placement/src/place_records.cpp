@@ -43,6 +43,7 @@ class Placement {
     gather_.bounces = bounces;
     gather_.glossy_glossy = options.glossy_glossy;
     gather_.total_derivative = options.total_derivative;
+    gather_.occlusion_aware = options.occlusion_aware;
     gather_.seed = seed;
     rule_.options = &options_;
     rule_.picture_width = std::max(scene.camera().width, scene.camera().height);

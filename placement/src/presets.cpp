@@ -17,6 +17,8 @@ CacheOptions paper_preset(const CacheOptions& budget) {
   options.harmonics_rays = HarmonicsRays::kUniform;
   options.glossy_glossy = true;
   options.total_derivative = false;
+  options.occlusion_aware = false;
+  options.guided = false;
   // Interpolation [Zhao 4.4, 5].
   options.taylor_order = 2;
   options.joint_weight = false;

@@ -57,6 +57,7 @@ TEST(CommandLine, RenderHelpListsEveryOption) {
                              "--gather-rays",
                              "--taylor-order",
                              "--no-glossy-glossy",
+                             "--occlusion",
                              "--flat-derivatives",
                              "--placement",
                              "--max-normal-deviation",

@@ -102,9 +102,27 @@ TEST_F(RenderCommand, ComparesWithAReferenceInsideTheCrop) {
 TEST_F(RenderCommand, PresetOfThePaperIsItsOptionsSpelledOut) {
   ASSERT_EQ(run_vrc(render({"-o", at("ours.exr")})).exit_code, 0);
   ASSERT_EQ(run_vrc(render({"-o", at("paper.exr"), "--preset", "paper"})).exit_code, 0);
-  ASSERT_EQ(run_vrc(render({"-o", at("spelled.exr"), "--flat-derivatives", "--gradient-share", "0",
-                            "--dark-share", "0", "--blend-support", "1", "--joint-fit", "off",
-                            "--max-normal-deviation", "0.1", "--sh-rule", "paper", "--sh-rays", "uniform"}))
+  ASSERT_EQ(run_vrc(render({"-o",
+                            at("spelled.exr"),
+                            "--flat-derivatives",
+                            "--gradient-share",
+                            "0",
+                            "--dark-share",
+                            "0",
+                            "--blend-support",
+                            "1",
+                            "--joint-fit",
+                            "off",
+                            "--occlusion",
+                            "off",
+                            "--guided",
+                            "off",
+                            "--max-normal-deviation",
+                            "0.1",
+                            "--sh-rule",
+                            "paper",
+                            "--sh-rays",
+                            "uniform"}))
                 .exit_code,
             0);
   const auto paper = read_image(at("paper.exr")).pixels;
@@ -125,11 +143,28 @@ TEST_F(RenderCommand, SingleOptionsWinOverThePresetWhereverTheyStand) {
   const auto before = pixels("before.exr", {"--blend-support", "1.4", "--preset", "paper"});
   EXPECT_EQ(pixels("after.exr", {"--preset", "paper", "--blend-support", "1.4"}), before);
   EXPECT_NE(pixels("paper.exr", {"--preset", "paper"}), before);
-  EXPECT_EQ(
-      pixels("undone.exr", {"--total-derivatives", "--gradient-share", "1", "--dark-share", "0.2",
-                            "--joint-fit", "on", "--preset", "paper", "--blend-support", "1.4",
-                            "--max-normal-deviation", "0.15", "--sh-rule", "auto", "--sh-rays", "auto"}),
-      ours);
+  EXPECT_EQ(pixels("undone.exr", {"--total-derivatives",
+                                  "--gradient-share",
+                                  "1",
+                                  "--dark-share",
+                                  "0.2",
+                                  "--joint-fit",
+                                  "on",
+                                  "--occlusion",
+                                  "on",
+                                  "--guided",
+                                  "on",
+                                  "--preset",
+                                  "paper",
+                                  "--blend-support",
+                                  "1.4",
+                                  "--max-normal-deviation",
+                                  "0.15",
+                                  "--sh-rule",
+                                  "auto",
+                                  "--sh-rays",
+                                  "auto"}),
+            ours);
 }
 
 TEST_F(RenderCommand, RefusesUnknownPresets) {

@@ -67,7 +67,8 @@ TEST(GuideWarp, SmoothsWithinAStrategyOnlyAndRoundTheAzimuth) {
   constexpr int kRows = GuideHistogram::kRows;
   const GuideWarp warp(one_bright_cell(16 * kRows), {0, 16});
   const float elsewhere = warp.density(40 * kRows + kRows / 2);
-  EXPECT_FLOAT_EQ(warp.density(15 * kRows), elsewhere);  // the other strategy's last column
+  // In the other strategy nothing was found.
+  EXPECT_FLOAT_EQ(warp.density(15 * kRows), warp.density(3 * kRows + kRows / 2));
   EXPECT_GT(warp.density(17 * kRows), 2.0f * elsewhere);
   EXPECT_GT(warp.density(16 * kRows + kRows - 1), 2.0f * elsewhere);
 }

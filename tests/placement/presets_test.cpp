@@ -17,6 +17,8 @@ TEST(PaperPreset, IsWhatThePaperSays) {
   EXPECT_EQ(o.harmonics_rays, HarmonicsRays::kUniform);
   EXPECT_TRUE(o.glossy_glossy);
   EXPECT_FALSE(o.total_derivative);
+  EXPECT_FALSE(o.occlusion_aware);
+  EXPECT_FALSE(o.guided);
   EXPECT_EQ(o.taylor_order, 2);
   EXPECT_FALSE(o.joint_weight);
   EXPECT_EQ(o.max_normal_deviation, 0.1);

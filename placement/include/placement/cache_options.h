@@ -59,6 +59,7 @@ struct CacheOptions {
   int taylor_order = 2;          ///< 0, 1 or 2: the order of the interpolant of eq. 13.
   bool glossy_glossy = true;     ///< Derivative of the incident radiance reflected by glossy surfaces.
   bool total_derivative = true;  ///< Derivatives know how the surface bends; false: [Zhao eq. 10-11].
+  bool occlusion_aware = true;   ///< Derivatives know how silhouettes move over what is behind them.
   bool joint_weight = true;      ///< Normals count in the distance of eq. 14; false: k_t alone.
   Sampler sampler = Sampler::kImage;
   PlacementMetric metric = PlacementMetric::kHessian;

@@ -1,0 +1,443 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "silhouettes.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <utility>
+
+namespace vrc {
+namespace {
+
+using Field = HitGrid::Field;
+
+// Hits that lie off each other's tangent planes by less than this share of their distance are on one
+// surface.
+constexpr float kFlat = 1e-3f;
+// Tangent planes seen at a grazing angle are not extrapolated farther than this times the hit's distance.
+constexpr float kFarthestExtrapolation = 2.0f;
+// Pieces nearer to the horizon than about this angle are left out: the cosine makes them negligible. [rad]
+constexpr float kLowest = 1e-3f;
+// The cells that the far surface's radiance is fitted to. Cells are several times as long across the rows
+// as across the columns, so that the window is about square on the sphere.
+constexpr int kWindowColumns = 5, kWindowStep = 1, kWindowRows = 1;
+constexpr float kFewestCells = 4.5f;
+// Successive pieces that go to the same partial sum: their errors are correlated by shared cells, and the
+// spread of the partial sums must show that.
+constexpr std::size_t kRun = 16;
+// Keeps the fields of a cell out of each other's cache sets; a multiple of the lanes.
+constexpr std::size_t kFieldPadding = 5 * kLanes;
+// The fitted radiance is a share of the mean; its log-gradient divides by at least this share.
+constexpr float kLeastTrend = 0.2f;
+
+/// First column and the one after the last.
+std::pair<int, int> strategy_columns(const HitGrid& grid, const GatherStrategy& s) {
+  const auto columns = static_cast<float>(grid.columns());
+  return {static_cast<int>(s.first_point * columns), static_cast<int>(s.last_point * columns)};
+}
+
+F16 load(const float* p) {
+  F16 v;
+  __builtin_memcpy(&v, p, sizeof(v));
+  return v;
+}
+
+/// v[index[i]] for every lane.
+F16 permuted(F16 v, I16 index) {
+#if defined(__AVX512F__)
+  return std::bit_cast<F16>(
+      _mm512_maskz_permutexvar_ps(0xffff, std::bit_cast<__m512i>(index), std::bit_cast<__m512>(v)));
+#else
+  F16 result;
+  for (int i = 0; i < kLanes; ++i) result[i] = v[index[i]];
+  return result;
+#endif
+}
+
+/// One corner of sixteen cells.
+struct Corners {
+  V3x16 direction;
+  F16 inverse_distance;
+  V3x16 plane;
+  I16 index;
+};
+
+Corners load_corners(const HitGrid& grid, int index) {
+  const auto at = [&](int f) { return load(grid.field(static_cast<Field>(f)) + index); };
+  return {{at(Field::kDirectionX), at(Field::kDirectionY), at(Field::kDirectionZ)},
+          at(Field::kInverseDistance),
+          {at(Field::kPlaneX), at(Field::kPlaneY), at(Field::kPlaneZ)},
+          lane_index() + index};
+}
+
+V3x16 gather3(const HitGrid& grid, int first_field, I16 index) {
+  const auto at = [&](int f) { return gather(grid.field(static_cast<Field>(first_field + f)), index); };
+  return {at(0), at(1), at(2)};
+}
+
+Corners gather_corners(const HitGrid& grid, I16 index) {
+  return {gather3(grid, Field::kDirectionX, index), gather(grid.field(Field::kInverseDistance), index),
+          gather3(grid, Field::kPlaneX, index), index};
+}
+
+/// Where neighbours in the grid lie on different surfaces of which one hides a part of the other.
+struct Jump {
+  I16 found;
+  I16 first_is_near;
+};
+
+inline Jump jump_between(const Corners& i, const Corners& j) {
+  const F16 d0 = i.inverse_distance - dot(j.plane, i.direction);
+  const F16 d1 = dot(i.plane, j.direction) - j.inverse_distance;
+  const F16 least = (kFlat * kFlat) * (i.inverse_distance * j.inverse_distance);
+  return {d0 * d1 > least, d0 > 0.0f};
+}
+
+/// The radiance of a far surface around one of its cells.
+enum FarField {
+  kMeanX,  // Mean direction of the cells that count.
+  kMeanY,
+  kMeanZ,
+  kMeanR,  // Mean radiance.
+  kMeanG,
+  kMeanB,
+  kAcrossX,  // Log-gradient of its luminance over directions.
+  kAcrossY,
+  kAcrossZ,
+  kMeanSlope1,  // Mean log-gradient as the record moves.
+  kMeanSlope2,
+  kFarFields
+};
+
+/// Straight pieces of silhouettes: found first, summed up sixteen at a time in the end.
+class Pieces {
+ public:
+  Pieces(const HitGrid& grid, const GatherRays& rays) : grid_(grid), rays_(rays), storage_(thread_storage()) {
+    n_ = splat3(rays.frame().normal);
+    tangent_ = splat3(rays.frame().tangent);
+    bitangent_ = splat3(rays.frame().bitangent);
+    storage_.pieces.clear();
+    storage_.far_cells.clear();
+    storage_.slot_of_cell.assign(static_cast<std::size_t>(grid.index(grid.columns(), 0)), -1);
+  }
+
+  /// Adds the pieces inside sixteen triangles, counter-clockwise as seen from outside the sphere.
+  void add_triangles(int strategy, I16 valid, const Corners& a, const Corners& b, const Corners& c,
+                     const std::array<Jump, 3>& jumps) {
+    const I16 found[3] = {jumps[0].found & valid, jumps[1].found & valid, jumps[2].found & valid};
+    if (!any(found[0] | found[1] | found[2])) return;
+    const I16 count = -(found[0] + found[1] + found[2]);
+    const V3x16 middles[3] = {normalize(a.direction + b.direction), normalize(b.direction + c.direction),
+                              normalize(c.direction + a.direction)};
+    V3x16 sum{};
+    for (int e = 0; e < 3; ++e) sum += select(found[e], middles[e], V3x16{});
+    const V3x16 centre = normalize(select(count == 1, a.direction + b.direction + c.direction, sum));
+    const Corners* corner[4] = {&a, &b, &c, &a};
+    for (int e = 0; e < 3; ++e) {
+      const V3x16& m = middles[e];
+      // A sky behind the silhouette sends no indirect light.
+      const I16 lit =
+          select(jumps[e].first_is_near, corner[e + 1]->inverse_distance, corner[e]->inverse_distance) > 0.0f;
+      for (std::uint32_t left = mask_bits(found[e] & lit); left != 0; left &= left - 1) {
+        const int lane = std::countr_zero(left);
+        const bool first_is_near = jumps[e].first_is_near[lane] != 0;
+        const int first = corner[e]->index[lane], second = corner[e + 1]->index[lane];
+        storage_.pieces.push_back({first_is_near ? first : second,
+                                   slot_of(first_is_near ? second : first, strategy),
+                                   first_is_near ? -1.0f : 1.0f,
+                                   {m.x[lane], m.y[lane], m.z[lane]},
+                                   {centre.x[lane], centre.y[lane], centre.z[lane]}});
+      }
+    }
+  }
+
+  [[nodiscard]] RgbJet16 total() {
+    fit_far_surfaces();
+    for (std::size_t begin = 0; begin < storage_.pieces.size(); begin += kLanes * kRun) {
+      for (std::size_t k = 0; k < kRun; ++k) add_to_sum(begin + k);
+    }
+    return sum_;
+  }
+
+ private:
+  struct Piece {
+    int near;      // Cell of the near surface.
+    int far_slot;  // Of its neighbour, in `far_cells`.
+    float side;    // -1 where the near cell is the first of the edge's corners, 1 where the second.
+    float begin[3], end[3];
+  };
+  struct FarCell {
+    int cell, strategy;
+  };
+  struct Storage {
+    std::vector<Piece> pieces;
+    std::vector<FarCell> far_cells;
+    std::vector<int> slot_of_cell;
+    std::vector<float> far_values;  // kFarFields blocks of sixteen for every sixteen far cells
+  };
+  static Storage& thread_storage() {
+    static thread_local Storage storage;
+    return storage;
+  }
+
+  [[nodiscard]] int slot_of(int cell, int strategy) {
+    // The row after the last one repeats the first.
+    const int stride = grid_.index(1, 0);
+    if (cell % stride == grid_.rows()) cell -= grid_.rows();
+    int& slot = storage_.slot_of_cell[static_cast<std::size_t>(cell)];
+    if (slot < 0) {
+      slot = static_cast<int>(storage_.far_cells.size());
+      storage_.far_cells.push_back({cell, strategy});
+    }
+    return slot;
+  }
+
+  void fit_far_surfaces() {
+    const std::size_t count = storage_.far_cells.size();
+    storage_.far_values.resize((count + kLanes) * kFarFields);
+    for (std::size_t begin = 0; begin < count; begin += kLanes) {
+      I16 column{}, row{}, first{}, last{};
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const FarCell& far = storage_.far_cells[std::min(begin + static_cast<std::size_t>(lane), count - 1)];
+        const auto [from, to] =
+            strategy_columns(grid_, rays_.strategies()[static_cast<std::size_t>(far.strategy)]);
+        column[lane] = far.cell / grid_.index(1, 0);
+        row[lane] = far.cell % grid_.index(1, 0);
+        first[lane] = from;
+        last[lane] = to - 1;
+      }
+      fit_far_surface(column, row, first, last, storage_.far_values.data() + begin * kFarFields);
+    }
+  }
+
+  /// A plane through the luminance over the cells around the given ones, on the same surfaces and inside the
+  /// strategies' columns; its gradient is divided by the value at the mean direction.
+  void fit_far_surface(I16 column, I16 row, I16 first, I16 last, float* out) const {
+    const int stride = grid_.index(1, 0);
+    const I16 centre = column * stride + row;
+    const V3x16 plane = gather3(grid_, Field::kPlaneX, centre);
+    const V3x16 origin = gather3(grid_, Field::kDirectionX, centre);
+    const Tangents16 e = tangents(origin);
+    F16 n{}, u{}, v{}, uu{}, uv{}, vv{}, l{}, ul{}, vl{}, slope1{}, slope2{};
+    V3x16 radiance{}, direction{};
+    for (int c = -kWindowColumns; c <= kWindowColumns; c += kWindowStep) {
+      const I16 inside = (column + c >= first) & (column + c <= last);
+      const I16 start = select(inside, column + c, column) * stride;
+      for (int r = -kWindowRows; r <= kWindowRows; ++r) {
+        const I16 index = start + ((row + r) & (grid_.rows() - 1));
+        const V3x16 o = gather3(grid_, Field::kDirectionX, index);
+        const F16 inverse = gather(grid_.field(Field::kInverseDistance), index);
+        const I16 counts = (inside & (abs(dot(plane, o) - inverse) < kFlat * inverse)) | (index == centre);
+        if (!any(counts)) continue;
+        const V3x16 rgb = select(counts, gather3(grid_, Field::kRadianceR, index), V3x16{});
+        const F16 lum = luminance(rgb);
+        const F16 ou = select(counts, dot(o, e.s), F16{}), ov = select(counts, dot(o, e.t), F16{});
+        n += select(counts, splat(1.0f), F16{});
+        direction += select(counts, o, V3x16{});
+        radiance += rgb;
+        u += ou;
+        v += ov;
+        uu += ou * ou;
+        uv += ou * ov;
+        vv += ov * ov;
+        l += lum;
+        ul += ou * lum;
+        vl += ov * lum;
+        slope1 += lum * gather(grid_.field(Field::kSlope1), index);
+        slope2 += lum * gather(grid_.field(Field::kSlope2), index);
+      }
+    }
+    const F16 inverse_n = 1.0f / n;
+    const F16 inverse_l = select(l > 1e-20f, 1.0f / max(l, 1e-20f), F16{});
+    const F16 cuu = uu - u * u * inverse_n, cuv = uv - u * v * inverse_n, cvv = vv - v * v * inverse_n;
+    const F16 cul = ul - u * l * inverse_n, cvl = vl - v * l * inverse_n;
+    const F16 determinant = cuu * cvv - cuv * cuv;
+    const I16 determined = (n > kFewestCells) & (determinant > 1e-3f * cuu * cvv) & (determinant > 1e-20f);
+    const F16 scale = select(determined, n * inverse_l / max(determinant, 1e-20f), F16{});
+    const V3x16 across = e.s * ((cvv * cul - cuv * cvl) * scale) + e.t * ((cuu * cvl - cuv * cul) * scale);
+    const V3x16 mean_direction = direction * inverse_n, mean_radiance = radiance * inverse_n;
+    const F16 values[kFarFields] = {mean_direction.x, mean_direction.y,   mean_direction.z,  mean_radiance.x,
+                                    mean_radiance.y,  mean_radiance.z,    across.x,          across.y,
+                                    across.z,         slope1 * inverse_l, slope2 * inverse_l};
+    for (int f = 0; f < kFarFields; ++f) __builtin_memcpy(out + f * kLanes, &values[f], sizeof(F16));
+  }
+
+  /// Adds piece `begin` and those kRun, 2 kRun, ... after it.
+  void add_to_sum(std::size_t begin) {
+    I16 valid{};
+    I16 near{}, far{}, slot{}, strategy{};
+    F16 side{};
+    V3x16 from = n_, to = n_;
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const std::size_t index = begin + static_cast<std::size_t>(lane) * kRun;
+      if (index >= storage_.pieces.size()) break;
+      valid[lane] = -1;
+      const Piece& p = storage_.pieces[index];
+      const FarCell& f = storage_.far_cells[static_cast<std::size_t>(p.far_slot)];
+      near[lane] = p.near;
+      far[lane] = f.cell;
+      strategy[lane] = f.strategy;
+      slot[lane] = (p.far_slot / kLanes) * (kLanes * kFarFields) + p.far_slot % kLanes;
+      side[lane] = p.side;
+      from.x[lane] = p.begin[0];
+      from.y[lane] = p.begin[1];
+      from.z[lane] = p.begin[2];
+      to.x[lane] = p.end[0];
+      to.y[lane] = p.end[1];
+      to.z[lane] = p.end[2];
+    }
+    const I16 up = valid & (dot(from + to, n_) > kLowest);
+    const V3x16 w = normalize(select(up, from + to, n_));
+    const V3x16 nu = cross(w, to - from) * side;
+    const auto of_far = [&](int field) { return gather(storage_.far_values.data() + field * kLanes, slot); };
+    const auto of_far3 = [&](int field) {
+      return V3x16{of_far(field), of_far(field + 1), of_far(field + 2)};
+    };
+    const V3x16 across = of_far3(kAcrossX);
+    // The fitted radiance at w; as far from the mean as the edge of the cells that it was fitted to.
+    const F16 trend = min(max(1.0f + dot(across, w - of_far3(kMeanX)), 0.0f), 3.0f);
+    const V3x16 radiance = select(up, of_far3(kMeanR) * trend, V3x16{});
+
+    const F16 nearest_a =
+        gather(grid_.field(Field::kInverseDistance), near) * (1.0f / kFarthestExtrapolation);
+    const F16 a = max(dot(gather3(grid_, Field::kPlaneX, near), w), nearest_a);
+    const F16 b = max(dot(gather3(grid_, Field::kPlaneX, far), w), 0.0f);
+    const Directions16 d = rays_.directions_at_record(w);
+    const F16 swept = (a - b) * balance_weight(strategy, d);
+    // Points of the strip lie on the far surface (b - s) d from where the fixed hits are.
+    const F16 lag = 0.5f * (b - a) / max(trend, kLeastTrend);
+    const F16 far1 = of_far(kMeanSlope1) + lag * dot(across, tangent_);
+    const F16 far2 = of_far(kMeanSlope2) + lag * dot(across, bitangent_);
+    const F16 nu1 = dot(nu, tangent_), nu2 = dot(nu, bitangent_), nun = dot(nu, n_);
+    const F16 mean = max(0.5f * (a + b), 1e-12f);
+    const MovingPoint16 moving = moving_point(rays_.frame(), w * (1.0f / mean));
+    const UnitJet16 spread = pow(moving.jet_rr, -2.0f);
+    for (const Lobe& lobe : rays_.bsdf().lobes) {
+      std::visit(
+          [&](const auto& l) {
+            const V3x16 weight = radiance * tint(l, d) * (shape(l, d) * swept);
+            const UnitJet16 jet = shape_jet(l, moving);
+            const F16 p1 = jet.g1 + spread.g1 + far1, p2 = jet.g2 + spread.g2 + far2;
+            sum_.g1 += weight * nu1;
+            sum_.g2 += weight * nu2;
+            sum_.h11 += weight * (2.0f * p1 * nu1 - nun * moving.s11);
+            sum_.h12 += weight * (p1 * nu2 + p2 * nu1 - nun * moving.s12);
+            sum_.h22 += weight * (2.0f * p2 * nu2 - nun * moving.s22);
+          },
+          lobe);
+    }
+  }
+
+  /// Of the strategies that the pieces were found by.
+  [[nodiscard]] F16 balance_weight(I16 strategy, const Directions16& d) const {
+    F16 own{}, all{};
+    const auto& strategies = rays_.strategies();
+    for (std::size_t s = 0; s < strategies.size(); ++s) {
+      const F16 density = (strategies[s].end - strategies[s].begin) * rays_.strategy_pdf(strategies[s], d);
+      all += density;
+      own = select(strategy == static_cast<int>(s), density, own);
+    }
+    return own / max(all, 1e-30f);
+  }
+
+  const HitGrid& grid_;
+  const GatherRays& rays_;
+  Storage& storage_;
+  V3x16 n_, tangent_, bitangent_;
+  RgbJet16 sum_;
+};
+
+/// Sixteen quadrilaterals a, b, c, d, counter-clockwise.
+void add_cells(Pieces& pieces, int strategy, I16 valid, const Corners& a, const Corners& b, const Corners& c,
+               const Corners& d) {
+  const Jump ab = jump_between(a, b), bc = jump_between(b, c), ca = jump_between(c, a);
+  const Jump cd = jump_between(c, d), da = jump_between(d, a);
+  if (!any(valid & (ab.found | bc.found | ca.found | cd.found | da.found))) return;
+  pieces.add_triangles(strategy, valid, a, b, c, {ab, bc, ca});
+  const Jump ac = {ca.found, ~ca.first_is_near};
+  pieces.add_triangles(strategy, valid, a, c, d, {ac, cd, da});
+}
+
+}  // namespace
+
+HitGrid::HitGrid(int columns_log2, int rows_log2)
+    : columns_(1 << columns_log2),
+      rows_(1 << rows_log2),
+      stride_(rows_ + kLanes),
+      field_size_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(stride_) + kFieldPadding),
+      values_([]() -> std::vector<float>& {
+        static thread_local std::vector<float> storage;
+        return storage;
+      }()) {
+  values_.resize(kFields * field_size_);
+}
+
+void HitGrid::store(F16 u1, F16 u2, const GatherPacket16& packet) {
+  // Sixteen points fill a block of 4 x 4 cells in any order [SobolGrid]: sorted, they are four runs.
+  const I16 column = to_int(u1 * static_cast<float>(columns_)), row = to_int(u2 * static_cast<float>(rows_));
+  const I16 place = (column & 3) * 4 + (row & 3);
+  I16 sorted{};
+  for (int lane = 0; lane < kLanes; ++lane) sorted[place[lane] & 15] = lane;
+  const auto corner = static_cast<std::size_t>(index(column[0] & ~3, row[0] & ~3));
+  const F16 brightness = luminance(packet.incident.value);
+  const F16 inverse = select(brightness > 0.0f, 1.0f / max(brightness, 1e-30f), F16{});
+  const F16 fields[kFields] = {packet.direction.x,
+                               packet.direction.y,
+                               packet.direction.z,
+                               1.0f / packet.distance,
+                               packet.tangent_plane.x,
+                               packet.tangent_plane.y,
+                               packet.tangent_plane.z,
+                               packet.incident.value.x,
+                               packet.incident.value.y,
+                               packet.incident.value.z,
+                               luminance(packet.incident.g1) * inverse,
+                               luminance(packet.incident.g2) * inverse};
+  for (int f = 0; f < kFields; ++f) {
+    float* base = values_.data() + static_cast<std::size_t>(f) * field_size_ + corner;
+    const F16 values = permuted(fields[f], sorted);
+    for (int run = 0; run < 4; ++run)
+      __builtin_memcpy(base + run * stride_, reinterpret_cast<const float*>(&values) + 4 * run,
+                       4 * sizeof(float));
+  }
+}
+
+void HitGrid::close() {
+  for (int f = 0; f < kFields; ++f) {
+    float* base = values_.data() + static_cast<std::size_t>(f) * field_size_;
+    for (int c = 0; c < columns_; ++c) base[index(c, rows_)] = base[index(c, 0)];
+  }
+}
+
+RgbJet16 silhouette_derivatives(const HitGrid& grid, const GatherRays& rays) {
+  Pieces pieces(grid, rays);
+  const int rows = grid.rows();
+  const auto& strategies = rays.strategies();
+  const I16 all = splat(-1);
+  for (std::size_t s = 0; s < strategies.size(); ++s) {
+    const auto [first, end] = strategy_columns(grid, strategies[s]);
+    const auto strategy = static_cast<int>(s);
+    // The first column goes around the pole: its polygon is cut into a ladder.
+    for (int row = 0; row < rows / 2 - 1; row += kLanes) {
+      const I16 r = lane_index() + row;
+      const I16 valid = r < rows / 2 - 1;
+      const I16 a = select(valid, r, I16{}) + grid.index(first, 0);
+      const I16 d = select(valid, rows - 1 - r, I16{}) + grid.index(first, 0);
+      add_cells(pieces, strategy, valid, gather_corners(grid, a), gather_corners(grid, a + 1),
+                gather_corners(grid, d - select(valid, splat(1), I16{})), gather_corners(grid, d));
+    }
+    for (int c = first; c + 1 < end; ++c) {
+      for (int row = 0; row < rows; row += kLanes) {
+        const int here = grid.index(c, row), beyond = grid.index(c + 1, row);
+        add_cells(pieces, strategy, all, load_corners(grid, here), load_corners(grid, beyond),
+                  load_corners(grid, beyond + 1), load_corners(grid, here + 1));
+      }
+    }
+  }
+  RgbJet16 sum = pieces.total();
+  const F16 scale = splat(static_cast<float>(rays.ray_count()));
+  for (V3x16* part : {&sum.g1, &sum.g2, &sum.h11, &sum.h12, &sum.h22}) *part = *part * scale;
+  return sum;
+}
+
+}  // namespace vrc
