@@ -169,7 +169,7 @@ class Placement {
   }
 
   /// Of all pilots, those that find out where light is for the others.
-  [[nodiscard]] std::size_t unguided_pilots(std::size_t all) const { return options_.guided ? all / 2 : 0; }
+  [[nodiscard]] std::size_t unguided_pilots(std::size_t all) const { return options_.sends_guided_rays() ? all / 2 : 0; }
 
   /// Rays that bring a typical record's relative noise down to the accepted error; the joint fit and
   /// the blending of overlapping records lower it further.
@@ -187,7 +187,7 @@ class Placement {
   }
 
   [[nodiscard]] double accepted_noise() const {
-    return (options_.guided ? kGuidedNoiseShare : kNoiseShare) * accepted_error();
+    return (options_.sends_guided_rays() ? kGuidedNoiseShare : kNoiseShare) * accepted_error();
   }
 
   /// With a wanted number of records the error is unknown: the default's noise is aimed at.

@@ -151,7 +151,7 @@ RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& 
   };
   const Gather gather_radiance_at = [&](const RecordSite& s, int log2_rays) {
     GatherOptions options = options_for(log2_rays);
-    if (!options_.guided) return gather_radiance(scene, s, options, counts);
+    if (!options_.sends_guided_rays()) return gather_radiance(scene, s, options, counts);
     std::unique_ptr<GuideHistogram> guide = guides != nullptr ? guides->at(s) : nullptr;
     if (found != nullptr) {
       // Rays that guide others must not be among them.

@@ -151,7 +151,7 @@ TEST_F(RenderCommand, SingleOptionsWinOverThePresetWhereverTheyStand) {
                                   "--joint-fit",
                                   "on",
                                   "--occlusion",
-                                  "on",
+                                  "off",
                                   "--guided",
                                   "on",
                                   "--preset",

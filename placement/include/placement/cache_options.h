@@ -59,8 +59,10 @@ struct CacheOptions {
   int taylor_order = 2;          ///< 0, 1 or 2: the order of the interpolant of eq. 13.
   bool glossy_glossy = true;     ///< Derivative of the incident radiance reflected by glossy surfaces.
   bool total_derivative = true;  ///< Derivatives know how the surface bends; false: [Zhao eq. 10-11].
-  bool occlusion_aware = true;   ///< Derivatives know how silhouettes move over what is behind them.
-  bool joint_weight = true;      ///< Normals count in the distance of eq. 14; false: k_t alone.
+  /// Derivatives know how silhouettes move over what is behind them. They are looked for between neighbouring
+  /// rays, which guides tear apart: such a cache is not guided (docs/decisions/008).
+  bool occlusion_aware = false;
+  bool joint_weight = true;  ///< Normals count in the distance of eq. 14; false: k_t alone.
   Sampler sampler = Sampler::kImage;
   PlacementMetric metric = PlacementMetric::kHessian;
   double max_normal_deviation = 0.15;  ///< theta_max of eq. 13. [rad]
@@ -77,6 +79,8 @@ struct CacheOptions {
   double blend_support = 1.4;  ///< Regions are blended up to this multiple of their radii; 1: [Zhao eq. 13].
   bool guided = true;          ///< Records send their rays where their neighbours' rays found light.
   bool joint_fit = true;       ///< Refine records by their neighbours' values, weighted by noise.
+
+  [[nodiscard]] bool sends_guided_rays() const { return guided && !occlusion_aware; }
 };
 
 }  // namespace vrc
