@@ -103,8 +103,7 @@ class GatherRays {
 
   /// Traces the packet's directions, which were chosen with `density` per solid angle; `u1` and `u2` choose
   /// the light at the hits, `first_index` names the rays for further bounces. False when no ray found a
-  /// surface that reflects: then only `distance` and
-  /// `tangent_plane` are set.
+  /// surface that reflects: then only `distance` and `tangent_plane` are set.
   bool trace(F16 density, F16 u1, F16 u2, std::uint32_t first_index, GatherPacket16& packet);
 
   [[nodiscard]] const Bsdf& bsdf() const { return bsdf_; }

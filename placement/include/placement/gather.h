@@ -66,9 +66,8 @@ struct GuideHistogram;
 
 /// What a gather learns from others, and others from it.
 struct Guidance {
-  const GuideHistogram* guide =
-      nullptr;                      ///< Found by other rays: where to send these; null: nowhere special.
-  GuideHistogram* found = nullptr;  ///< Filled with what the rays find, unless null.
+  const GuideHistogram* guide = nullptr;  ///< Of other rays: where to send these; null: nowhere special.
+  GuideHistogram* found = nullptr;        ///< Filled with what the rays find, unless null.
 };
 
 /// Gathers with Owen-scrambled Sobol rays and sums the closed-form derivatives of every ray's contribution

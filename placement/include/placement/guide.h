@@ -13,7 +13,7 @@ namespace vrc {
 /// Over the unit square (u1, u2) from which a gather's directions are sampled: the mean square of what the
 /// rays contribute, in luminance, before it is divided by the density of a warp.
 struct GuideHistogram {
-  static constexpr int kColumns = 64;  ///< Of u1, which also chooses the strategy: four to an eighth.
+  static constexpr int kColumns = 64;  ///< Of u1, which also chooses the strategy: eight to an eighth.
   static constexpr int kRows = 32;     ///< Of u2, an azimuth.
   static constexpr int kCells = kColumns * kRows;
 
@@ -64,7 +64,6 @@ class GuideField {
   explicit GuideField(const Scene& scene);
 
   void add(const RecordSite& site, std::shared_ptr<const GuideHistogram> histogram);
-  [[nodiscard]] std::size_t size() const { return entries_.size(); }
 
   /// The average of the (up to four) nearest ones to a site, weighted by distance: same material, similar
   /// normal, within 24 pixels. Null when there is none.
