@@ -20,7 +20,7 @@ constexpr double kCostOfOrder = 0.0145;  // times order^2
 constexpr double kNarrowRadius = 1.7;    // of curvature, in pixels, at which no Taylor record fits an edge
 // Accepted errors up to which narrow edges get harmonics: in coarser pictures a record there covers more
 // than it knows. Less where the order leaves a part of the lobe out, which takes 3 sqrt(exponent).
-constexpr double kNarrowUpTo = 0.2, kNarrowUpToTruncated = 0.1;
+constexpr double kNarrowUpTo = 0.2, kNarrowUpToTruncated = 0.05;
 constexpr double kResolvedOrder = 3.0;
 
 /// Whether the surface is an edge so narrow that Taylor records, which are no smaller than a pixel, do not
@@ -235,7 +235,9 @@ HarmonicsReason RecordFactory::reason_for(const RadianceRecord& record) const {
   const bool resolved = order >= kResolvedOrder * std::sqrt(sharpness);
   const bool fine = options_.records > 0 || options_.error <= (resolved ? kNarrowUpTo : kNarrowUpToTruncated);
   if (fine && is_narrow(record.site) && record.curvature.needs_sh()) return HarmonicsReason::kNarrow;
-  // Where a number of records is wanted, theirs is the cost; else it is CPU time.
+  // Where a number of records is wanted, theirs is the cost. Else it is CPU time, and a lobe that the order
+  // cuts short loses more than a record saves.
+  if (options_.records == 0 && !resolved) return HarmonicsReason::kNone;
   const double cost = options_.records > 0 ? 1.0 : 2.0 + kCostOfOrder * order * order;
   return records_replaced(record, options_.max_normal_deviation) > cost ? HarmonicsReason::kReplacesMany
                                                                         : HarmonicsReason::kNone;
@@ -258,7 +260,11 @@ void RecordFactory::shape(RadianceRecord& record, const RegionRule& rule, const 
   if (!class_decides) classify();
   if (!record.harmonics) {
     HitDistances hits;
-    record.harmonics = gather_harmonics(record.site, gather, counts, hits);
+    GatherOptions options = gather;
+    // As many as guided rays suffice for are too few, and guided by the lobe they lose what other normals
+    // see.
+    if (options_.sends_guided_rays()) options.log2_rays = std::min(options.log2_rays + 1, kMostLog2Rays);
+    record.harmonics = gather_harmonics(record.site, options, counts, hits);
   }
   shape_record(record, rule);
 }
