@@ -123,10 +123,13 @@ Image selected(const Image& image, const PixelMask& mask) {
   return result;
 }
 
-Image reference_half(const Scene& scene, const fs::path& file, int samples, std::uint64_t seed) {
+Image reference_half(const Scene& scene, const fs::path& file, const PictureSettings& settings,
+                     std::uint64_t seed) {
   if (fs::exists(file)) return read_image(file);
   fmt::print(stderr, "rendering the reference {}\n", file.string());
-  Image image = rgb_of(render(scene, indirect_light(Method::kPath, samples, seed)).image);
+  RenderOptions options = indirect_light(Method::kPath, settings.reference_samples, seed);
+  options.path_rays = settings.reference_rays;
+  Image image = rgb_of(render(scene, options).image);
   write_exr(file, image);
   return image;
 }
@@ -143,7 +146,11 @@ void declare_picture_options(CLI::App& app, PictureSettings& settings) {
   add("--width", settings.width, "Film width");
   add("--height", settings.height, "Film height");
   add("--spp", settings.samples_per_pixel, "Samples a pixel of the cache's picture");
-  add("--reference-spp", settings.reference_samples, "Samples a pixel of each of the two references");
+  add("--reference-spp", settings.reference_samples, "Camera samples a pixel of each of the two references");
+  app.add_option("--reference-rays", settings.reference_rays,
+                 "Guided rays a pixel of each reference; 0: a path from each camera sample")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   app.add_option("--reference-dir", settings.reference_dir, "Folder of the references")
       ->capture_default_str();
   add("--repeats", settings.repeats, "Seeds to take medians over");
@@ -190,11 +197,12 @@ References make_references(const Scene& scene, const SceneDescription& descripti
   for (std::size_t half = 0; half < 2; ++half) {
     DescriptionHash key(description);
     key.add_number(settings.reference_samples);
-    const std::string name =
-        fmt::format("{}_{}x{}_{}spp_{:016x}_{}.exr", fs::path(file).stem().string(), settings.width,
-                    settings.height, settings.reference_samples, key.value(), half + 1);
-    references.halves[half] = reference_half(scene, fs::path(settings.reference_dir) / name,
-                                             settings.reference_samples, kFirstReferenceSeed + half);
+    key.add_number(settings.reference_rays);
+    const std::string name = fmt::format("{}_{}x{}_{}spp_{}rays_{:016x}_{}.exr", fs::path(file).stem().string(),
+                                         settings.width, settings.height, settings.reference_samples,
+                                         settings.reference_rays, key.value(), half + 1);
+    references.halves[half] = reference_half(scene, fs::path(settings.reference_dir) / name, settings,
+                                             kFirstReferenceSeed + half);
     const Image& image = references.halves[half];
     for (std::size_t p = 0; p < image.pixel_count(); ++p) {
       sum += static_cast<double>(luminance(std::span(image.pixels).subspan(3 * p, 3)));

@@ -23,7 +23,9 @@ struct PictureSettings {
   std::vector<std::string> defines;  ///< NAME=VALUE
   int width = 512, height = 512;
   int samples_per_pixel = 16;
-  int reference_samples = 2048;  ///< Of each of the two references.
+  /// Camera samples of a pixel of each of the two references, and the guided rays that they share; 0: paths.
+  int reference_samples = 128;
+  int reference_rays = 2048;
   std::string reference_dir = VRC_SOURCE_DIR "/build/references";
   int repeats = 3;  ///< Seeds to take medians over.
   int threads = 2;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "placement/gather.h"
 
+#include <optional>
+
 #include "gather_rays.h"
 #include "silhouettes.h"
 
@@ -77,7 +79,10 @@ Mat2 followed_shape_operator(const RecordSite& site, const GatherOptions& option
 
 RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site, const GatherOptions& options,
                                  RayCounts& counts, const Guidance& guidance) {
-  GatherRays rays(scene, site, options, counts, guidance.guide);
+  std::optional<GuideWarp> warp;
+  if (guidance.guide != nullptr)
+    warp.emplace(guide_warp(*guidance.guide, scene.bsdfs()[static_cast<std::size_t>(site.point.material)]));
+  GatherRays rays(scene, site, options, counts, warp ? &*warp : nullptr);
   RgbJet16 sum;
   if (guidance.found != nullptr) *guidance.found = {};
   const auto add_packet = [&](const GatherPacket16& packet) {

@@ -59,13 +59,21 @@ UnitJet16 masked(I16 mask, const UnitJet16& j) {
 
 }  // namespace
 
+GuideWarp guide_warp(const GuideHistogram& guide, const Bsdf& bsdf) {
+  std::vector<int> first_columns;
+  for (const GatherStrategy& s : make_strategies(bsdf, GatherDirections::kMixture))
+    first_columns.push_back(static_cast<int>(s.begin * GuideHistogram::kColumns));
+  return {guide, first_columns};
+}
+
 GatherRays::GatherRays(const Scene& scene, const RecordSite& site, const GatherOptions& options,
-                       RayCounts& counts, const GuideHistogram* guide)
+                       RayCounts& counts, const GuideWarp* warp)
     : scene_(scene),
       options_(options),
       counts_(counts),
       bsdf_(scene.bsdfs()[static_cast<std::size_t>(site.point.material)]),
       strategies_(make_strategies(bsdf_, options.directions)),
+      warp_(warp),
       sobol_seed_(hash(options.seed, site.key)) {
   frame_.x = site.point.position.cast<float>();
   frame_.tangent = site.frame.tangent.cast<float>();
@@ -85,25 +93,11 @@ GatherRays::GatherRays(const Scene& scene, const RecordSite& site, const GatherO
       scene.radius() * (1e-5 * site.point.geometric_normal + 2e-5 * site.to_camera.normalized());
   origin_ = splat3(Vec3(site.point.position + lift));
   path_seed_ = static_cast<std::uint32_t>(hash(options.seed, site.key, 0x9a7u));
-  if (guide != nullptr) {
-    std::vector<int> first_columns;
-    for (const GatherStrategy& s : strategies_)
-      first_columns.push_back(static_cast<int>(s.begin * GuideHistogram::kColumns));
-    warp_.emplace(*guide, first_columns);
-    for (std::size_t i = 0; i < strategies_.size(); ++i) {
-      const auto in_steps = [&](float v) {
-        return std::round(v * GuideWarp::kStrategySteps) / GuideWarp::kStrategySteps;
-      };
-      strategies_[i].first_point = in_steps(warp_->start(first_columns[i]));
-      strategies_[i].last_point =
-          i + 1 < strategies_.size() ? in_steps(warp_->start(first_columns[i + 1])) : 1.0f;
-    }
-  }
 }
 
 F16 GatherRays::choose_direction(F16 u1, F16 u2, GatherPacket16& packet) const {
   packet.warp_density = splat(1.0f);
-  if (warp_) {
+  if (warp_ != nullptr) {
     const GuideWarp::Point16 warped = (*warp_)(u1, u2);
     u1 = warped.u1;
     u2 = warped.u2;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "core/sobol.h"
@@ -67,15 +66,17 @@ struct GatherStrategy {
   Kind kind = Kind::kCosine;
   const Lobe* lobe = nullptr;
   float begin = 0.0f, end = 1.0f;
-  float first_point = begin, last_point = end;  ///< Points of the grid that a guide moves there.
 };
+
+/// Moves the points of gathers at a BRDF, GatherDirections::kMixture, to where a histogram says.
+[[nodiscard]] GuideWarp guide_warp(const GuideHistogram& guide, const Bsdf& bsdf);
 
 /// The rays of one record's gather.
 class GatherRays {
  public:
-  /// `guide` is for GatherDirections::kMixture.
+  /// `warp`, unless null, is one of `guide_warp` for the site's BRDF. It must outlive the rays.
   GatherRays(const Scene& scene, const RecordSite& site, const GatherOptions& options, RayCounts& counts,
-             const GuideHistogram* guide = nullptr);
+             const GuideWarp* warp = nullptr);
 
   /// Calls body(packet) for all packets of the gather that found light.
   template <typename Body>
@@ -146,7 +147,7 @@ class GatherRays {
   RayCounts& counts_;
   const Bsdf& bsdf_;
   std::vector<GatherStrategy> strategies_;
-  std::optional<GuideWarp> warp_;
+  const GuideWarp* warp_;
   RecordFrame frame_;
   V3x16 normal_, geometric_normal_, to_camera_, origin_;
   bool in_hollow_ = false;   ///< The derivatives follow a surface that is concave in all directions.

@@ -34,24 +34,6 @@ void smooth_columns(const GuideHistogram& from, int begin, int end, GuideHistogr
   }
 }
 
-/// Shares of kStrategySteps steps, at least one each, in proportion to `mass` as nearly as can be.
-std::vector<int> in_steps(const std::vector<float>& mass) {
-  float total = 0.0f;
-  for (const float m : mass) total += m;
-  std::vector<int> steps(mass.size(), 1);
-  for (auto left = GuideWarp::kStrategySteps - static_cast<int>(mass.size()); left > 0; --left) {
-    std::size_t neediest = 0;
-    const auto lack = [&](std::size_t i) {
-      return mass[i] / total * GuideWarp::kStrategySteps - static_cast<float>(steps[i]);
-    };
-    for (std::size_t i = 1; i < mass.size(); ++i) {
-      if (lack(i) > lack(neediest)) neediest = i;
-    }
-    ++steps[neediest];
-  }
-  return steps;
-}
-
 }  // namespace
 
 void GuideHistogram::add(const GuideHistogram& other, float weight) {
@@ -69,24 +51,9 @@ GuideWarp::GuideWarp(const GuideHistogram& histogram, const std::vector<int>& fi
     v = std::sqrt(v);
     mean += static_cast<double>(v) / GuideHistogram::kCells;
   }
-  const std::size_t strategies = first_columns.size();
   const float scale = mean > 0.0 ? (1.0f - kDefensiveShare) / static_cast<float>(mean) : 0.0f;
   const float floor = mean > 0.0 ? kDefensiveShare : 1.0f;
   for (std::size_t i = 0; i < density_.size(); ++i) density_[i] = floor + scale * smooth.mean_square[i];
-  std::vector<float> mass(strategies);
-  const auto for_cells_of = [&](std::size_t strategy, const auto& body) {
-    const int end = strategy + 1 < strategies ? first_columns[strategy + 1] : kColumns;
-    for (int i = first_columns[strategy] * kRows; i < end * kRows; ++i)
-      body(density_[static_cast<std::size_t>(i)]);
-  };
-  for (std::size_t s = 0; s < strategies; ++s) for_cells_of(s, [&](float d) { mass[s] += d; });
-  if (mean > 0.0) {
-    const std::vector<int> steps = in_steps(mass);
-    for (std::size_t s = 0; s < strategies; ++s) {
-      const float whole = static_cast<float>(steps[s]) * GuideHistogram::kCells / kStrategySteps;
-      for_cells_of(s, [&](float& d) { d *= whole / mass[s]; });
-    }
-  }
   float before = 0.0f;
   for (int c = 0; c < kColumns; ++c) {
     const auto first = static_cast<std::size_t>(c * kRows);

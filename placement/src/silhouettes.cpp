@@ -33,7 +33,7 @@ constexpr float kLeastTrend = 0.2f;
 /// First column and the one after the last.
 std::pair<int, int> strategy_columns(const HitGrid& grid, const GatherStrategy& s) {
   const auto columns = static_cast<float>(grid.columns());
-  return {static_cast<int>(s.first_point * columns), static_cast<int>(s.last_point * columns)};
+  return {static_cast<int>(s.begin * columns), static_cast<int>(s.end * columns)};
 }
 
 F16 load(const float* p) {

@@ -5,8 +5,11 @@
 #include <atomic>
 #include <mutex>
 
+#include <bit>
+
 #include "core/hash.h"
 #include "core/parallel.h"
+#include "placement/pixel_gather.h"
 #include "placement/place_records.h"
 #include "shading/interpolate.h"
 
@@ -63,6 +66,7 @@ class Renderer {
     RenderResult result;
     result.image = Image(scene_.camera().width, scene_.camera().height, layers_.names);
     if (options_.method == Method::kCache && wants_indirect_) place(result);
+    if (guides_paths()) find_guides(result);
     if (options_.shade) shade_tiles(result);
     result.stats.gather_rays = counts_.gather;
     result.stats.shadow_rays = counts_.shadow;
@@ -74,6 +78,18 @@ class Renderer {
   }
 
  private:
+  [[nodiscard]] bool guides_paths() const {
+    return options_.method == Method::kPath && options_.path_rays > 0 && wants_indirect_;
+  }
+
+  void find_guides(RenderResult& result) {
+    PhaseTimer timer("find guides");
+    const PlacementView view = {layout_.x0, layout_.y0, layout_.x1, layout_.y1, &film_};
+    guides_.emplace(guides_of_view(scene_, view, options_.bounces, options_.seed, counts_));
+    gatherer_.emplace(scene_, *guides_, options_.bounces, options_.seed);
+    result.stats.phases.push_back(timer.elapsed());
+  }
+
   void shade_tiles(RenderResult& result) {
     PhaseTimer timer("render");
     std::vector<RayCounts> counts(layout_.count());
@@ -115,8 +131,10 @@ class Renderer {
       std::size_t packet = 0;
       for (int y = tile.y0; y < tile.y1; ++y) {
         for (int x = tile.x0; x < tile.x1; ++x) {
+          PixelGatherer::Surfaces surfaces;
           for (int k = 0; k < range.count && !control_.stopped(); ++k, ++packet) {
             shade(tile, packet, records ? &*records : nullptr, image.pixel(x, y), counts);
+            if (gatherer_) add_gathered(tile, packet, surfaces, image.pixel(x, y), counts);
           }
         }
       }
@@ -132,8 +150,8 @@ class Renderer {
     const CameraPacket& packet = tile.packets[index];
     const SurfacePoint16& p = tile.points[index];
     if (options_.method == Method::kPath) {
-      const PathOptions path = {options_.bounces, wants_indirect_, wants_direct_};
-      for (int i = 0; i < light_samples_; ++i) {
+      const PathOptions path = {options_.bounces, wants_indirect_ && !gatherer_, wants_direct_};
+      for (int i = 0; i < light_samples_ && (path.indirect || path.direct); ++i) {
         const PathRadiance16 radiance =
             trace_paths(scene_, p, packet.direction, packet.active, sampler(packet, i), path, counts);
         add_scaled(pixel, packet.active, radiance);
@@ -152,6 +170,18 @@ class Renderer {
                interpolate(*records, index, options_.cache.taylor_order, options_.cache.blend_support));
     }
     if (options_.aovs) add_aovs(packet, p, pixel);
+  }
+
+  /// Guided rays from a packet's points instead of the rest of its paths.
+  void add_gathered(const Tile& tile, std::size_t index, PixelGatherer::Surfaces& surfaces, float* pixel,
+                    RayCounts& counts) const {
+    const CameraPacket& packet = tile.packets[index];
+    const int rays = std::max(options_.path_rays / film_.packets_per_pixel(), 1 << kFewestLog2PixelRays);
+    const std::array<double, 3> radiance =
+        gatherer_->gather(tile.points[index], std::bit_width(static_cast<unsigned>(rays - 1)),
+                          hash(packet.pixel_seed[0], packet.sample_index[0]), surfaces, counts);
+    for (int c = 0; c < 3; ++c)
+      pixel[layers_.indirect + c] += static_cast<float>(radiance[static_cast<std::size_t>(c)]);
   }
 
   /// Repetition `i` of a sample continues the pixel's sequence.
@@ -194,6 +224,8 @@ class Renderer {
   bool wants_direct_ = true, wants_indirect_ = true;
   int light_samples_ = 1;
   std::optional<RadianceCache> cache_;
+  std::optional<GuideField> guides_;
+  std::optional<PixelGatherer> gatherer_;  // of guided paths
   RayCounts counts_;
 };
 

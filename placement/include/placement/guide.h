@@ -28,11 +28,8 @@ struct GuideHistogram {
 /// estimate unbiased, however wrong it is.
 class GuideWarp {
  public:
-  static constexpr int kStrategySteps = 16;
-
   /// Columns [first[i], first[i + 1]) belong to one sampling strategy; the histogram is smoothed over
-  /// neighbouring cells of the same strategy, the azimuth wrapping round. The share of points that falls to a
-  /// strategy is rounded to kStrategySteps steps, at least one, so that it has whole columns of a Sobol grid.
+  /// neighbouring cells of the same strategy, the azimuth wrapping round.
   GuideWarp(const GuideHistogram& histogram, const std::vector<int>& first_columns);
 
   struct Point16 {
@@ -40,9 +37,6 @@ class GuideWarp {
     F16 density;  ///< Of the warp, 1 on average.
   };
   [[nodiscard]] Point16 operator()(F16 v1, F16 v2) const;
-
-  /// The first v1 that is moved into a column.
-  [[nodiscard]] float start(int column) const { return column_start_[static_cast<std::size_t>(column)]; }
 
   /// Density of cell column * kRows + row.
   [[nodiscard]] float density(int cell) const { return density_[static_cast<std::size_t>(cell)]; }

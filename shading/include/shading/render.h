@@ -30,6 +30,7 @@ struct RenderOptions {
   int light_samples = 0;  ///< Of the direct light, per camera sample; 0 chooses by method.
   std::uint64_t seed = 0;
   std::optional<CropWindow> crop;  ///< Pixels outside stay black.
+  int path_rays = 0;  ///< With Method::kPath: > 0 sends that many guided rays from each pixel's points.
   bool aovs = false;               ///< Adds the layers albedo, N and depth.
   bool shade = true;               ///< false: records are placed, the picture stays black.
   CacheOptions cache;
