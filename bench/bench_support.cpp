@@ -198,11 +198,11 @@ References make_references(const Scene& scene, const SceneDescription& descripti
     DescriptionHash key(description);
     key.add_number(settings.reference_samples);
     key.add_number(settings.reference_rays);
-    const std::string name = fmt::format("{}_{}x{}_{}spp_{}rays_{:016x}_{}.exr", fs::path(file).stem().string(),
-                                         settings.width, settings.height, settings.reference_samples,
-                                         settings.reference_rays, key.value(), half + 1);
-    references.halves[half] = reference_half(scene, fs::path(settings.reference_dir) / name, settings,
-                                             kFirstReferenceSeed + half);
+    const std::string name = fmt::format(
+        "{}_{}x{}_{}spp_{}rays_{:016x}_{}.exr", fs::path(file).stem().string(), settings.width,
+        settings.height, settings.reference_samples, settings.reference_rays, key.value(), half + 1);
+    references.halves[half] =
+        reference_half(scene, fs::path(settings.reference_dir) / name, settings, kFirstReferenceSeed + half);
     const Image& image = references.halves[half];
     for (std::size_t p = 0; p < image.pixel_count(); ++p) {
       sum += static_cast<double>(luminance(std::span(image.pixels).subspan(3 * p, 3)));

@@ -104,6 +104,12 @@ void declare_method(CLI::App& command, RenderOptions& render) {
              {{"full", Component::kFull}, {"direct", Component::kDirect}, {"indirect", Component::kIndirect}},
              "Light that the channels R, G, B hold")
       ->group("Picture");
+  add_number(
+      command, "--path-rays", render.path_rays, NumberRange<int>{256, 1 << 20},
+      "With --method path: so many indirect rays from the points of each pixel's samples, guided by those "
+      "of other pixels, instead of one path from each sample",
+      "one path")
+      ->group("Picture");
 }
 
 void declare_picture(CLI::App& command, RenderArguments& arguments) {

@@ -87,6 +87,9 @@ void check_render_arguments(const RenderArguments& arguments) {
   if (wants_records && arguments.render.method != Method::kCache) {
     throw InputError("--record-map, --record-ellipses and --record-overlay need --method cache");
   }
+  if (arguments.render.path_rays > 0 && arguments.render.method != Method::kPath) {
+    throw InputError("--path-rays needs --method path");
+  }
   if (arguments.camera_path) check_camera_path(arguments);
   check_scene_arguments(arguments);
   check_outputs(arguments);

@@ -8,8 +8,8 @@
 namespace vrc {
 namespace {
 
-constexpr double kSimilarNormal = 0.95;       // least cosine of normals that share a guide
-constexpr int kLatticeStep = 12;              // pixels between guides where there are no records
+constexpr double kSimilarNormal = 0.95;                 // least cosine of normals that share a guide
+constexpr int kLatticeStep = 12;                        // pixels between guides where there are no records
 constexpr int kLog2FirstRays = 12, kLog2MoreRays = 11;  // of the coarser lattice, and of those that it guides
 
 /// What a packet's hits send to the camera.
@@ -31,8 +31,8 @@ std::vector<RecordSite> lattice_sites(const Scene& scene, const PlacementView& v
       if (without > 0 && (x - view.x0) % without == 0 && (y - view.y0) % without == 0) continue;
       I16 first{};
       first[0] = -1;
-      const V3x16 direction = camera_directions(camera, splat(static_cast<float>(x) + 0.5f),
-                                                splat(static_cast<float>(y) + 0.5f));
+      const V3x16 direction =
+          camera_directions(camera, splat(static_cast<float>(x) + 0.5f), splat(static_cast<float>(y) + 0.5f));
       const SurfacePoint16 p = scene.intersect(first, {splat3(camera.origin), direction, splat(1e17f)},
                                                RayTracer::Coherence::kIncoherent);
       ++counts.camera;

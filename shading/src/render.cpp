@@ -3,9 +3,8 @@
 
 #include <algorithm>
 #include <atomic>
-#include <mutex>
-
 #include <bit>
+#include <mutex>
 
 #include "core/hash.h"
 #include "core/parallel.h"

@@ -186,6 +186,8 @@ TEST(CommandLineErrors, OfFiles) {
        UsageError{render_with({"-o", "%/out.exr"}), "named for two outputs"},
        UsageError{render_with({"--stats", "%/../out/"}), "names no file"},
        UsageError{render_with({"--stats", "%/scene.xml"}), "is an input of this command"},
+       UsageError{render_with({"--path-rays", "512"}), "--path-rays needs --method path"},
+       UsageError{render_with({"--path-rays", "16", "--method", "path"}), "--path-rays"},
        UsageError{render_with({"--record-map", "%/no/map.ply"}), "does not exist"},
        UsageError{render_with({"--record-map", "%/map.ply", "--method", "path"}), "need --method cache"},
        UsageError{render_with({"--record-map", "%/map.xyz"}), "written as .ply, .vtp or .csv"},

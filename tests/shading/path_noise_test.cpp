@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/parallel.h"
 #include "render_support.h"
 
 namespace vrc {
@@ -87,6 +88,47 @@ TEST(PathTracer, GivesTheSameDirectLightAsTheDirectMethod) {
   RenderOptions direct = test::options_of(Method::kDirect, 16, 1, Component::kDirect);
   const BlockMoments a(scene, path, 300), b(scene, direct, 400);
   EXPECT_GT(corrected_chance(a, b), 0.001);
+}
+
+double total_variance(const BlockMoments& moments) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < moments.sum.size(); ++i) sum += moments.variance(i);
+  return sum;
+}
+
+TEST(GuidedPaths, DifferFromPathsByLessNoiseAndNothingElse) {
+  for (const char* name : {"cornell_glossy.xml", "half_box.xml", "curved_room.xml"}) {
+    const Scene scene = test::load_scene(name, 64, 64);
+    const RenderOptions paths = test::options_of(Method::kPath, 256, 1, Component::kIndirect);
+    RenderOptions guided = test::options_of(Method::kPath, 16, 1, Component::kIndirect);
+    guided.path_rays = 256;
+    const BlockMoments a(scene, paths, 500), b(scene, guided, 600);
+    EXPECT_GT(corrected_chance(a, b), 0.001) << name;
+    EXPECT_LT(corrected_chance(a, b, 1.1), 0.001) << name << ": a tenth more light would not be noticed";
+    // From as many camera samples, so that edges are as noisy.
+    const RenderOptions few_paths = test::options_of(Method::kPath, 16, 1, Component::kIndirect);
+    EXPECT_LT(total_variance(b), 0.25 * total_variance(BlockMoments(scene, few_paths, 900))) << name;
+  }
+}
+
+TEST(GuidedPaths, BounceOnAsPathsDo) {
+  const Scene scene = test::load_scene("cornell_glossy.xml", 64, 64);
+  RenderOptions paths = test::options_of(Method::kPath, 64, 1, Component::kIndirect);
+  RenderOptions guided = test::options_of(Method::kPath, 16, 1, Component::kIndirect);
+  guided.path_rays = 256;
+  paths.bounces = guided.bounces = 3;
+  const BlockMoments a(scene, paths, 700), b(scene, guided, 800);
+  EXPECT_GT(corrected_chance(a, b), 0.001);
+}
+
+TEST(GuidedPaths, AreTheSameAtAnyNumberOfThreads) {
+  const Scene scene = test::load_scene("cornell_glossy.xml", 32, 32);
+  RenderOptions options = test::options_of(Method::kPath, 4);
+  options.path_rays = 256;
+  set_thread_count(1);
+  const Image one = render(scene, options).image;
+  set_thread_count(0);
+  EXPECT_EQ(one.pixels, render(scene, options).image.pixels);
 }
 
 }  // namespace

@@ -35,7 +35,8 @@ class PixelGatherer {
   };
 
   /// Sum over the lanes that scatter of their outgoing radiance towards the camera, by 2^log2_rays rays for
-  /// all of them together, at least kFewestLog2PixelRays. Unbiased; gathers of different keys are independent.
+  /// all of them together, at least kFewestLog2PixelRays. Unbiased; gathers of different keys are
+  /// independent.
   [[nodiscard]] std::array<double, 3> gather(const SurfacePoint16& points, int log2_rays, std::uint64_t key,
                                              Surfaces& surfaces, RayCounts& counts) const;
 

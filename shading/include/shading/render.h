@@ -30,7 +30,9 @@ struct RenderOptions {
   int light_samples = 0;  ///< Of the direct light, per camera sample; 0 chooses by method.
   std::uint64_t seed = 0;
   std::optional<CropWindow> crop;  ///< Pixels outside stay black.
-  int path_rays = 0;  ///< With Method::kPath: > 0 sends that many guided rays from each pixel's points.
+  /// With Method::kPath: > 0 sends that many guided rays for the indirect light of a pixel from the points
+  /// of its samples, at least 256 from each sixteen, rounded up to a power of two; 0: a path from each sample.
+  int path_rays = 0;
   bool aovs = false;               ///< Adds the layers albedo, N and depth.
   bool shade = true;               ///< false: records are placed, the picture stays black.
   CacheOptions cache;
