@@ -100,7 +100,7 @@ RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site, con
     }
     if (guidance.found != nullptr) note(packet, luminance(sum.value - before), *guidance.found);
   };
-  if (options.occlusion_aware) {
+  if (options.occlusion_aware && !warp) {
     HitGrid hits((options.log2_rays + 1) / 2, options.log2_rays / 2);
     rays.for_each_packet(add_packet,
                          [&](F16 u1, F16 u2, const GatherPacket16& packet) { hits.store(u1, u2, packet); });

@@ -34,7 +34,9 @@ struct GatherOptions {
   int bounces = 1;               ///< Of indirect light, as PathOptions::bounces; not 0.
   bool glossy_glossy = true;     ///< Derivative of the radiance that glossy surfaces send to the record.
   bool total_derivative = true;  ///< Along the bending surface; false: along its tangent plane.
-  bool occlusion_aware = true;   ///< Derivatives know how silhouettes move over what is behind them.
+  /// Derivatives know how silhouettes move over what is behind them; not those of guided gathers, whose rays
+  /// are no grid.
+  bool occlusion_aware = true;
   GatherDirections directions = GatherDirections::kMixture;
   std::uint64_t seed = 0;
 };

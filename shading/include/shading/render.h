@@ -31,10 +31,11 @@ struct RenderOptions {
   std::uint64_t seed = 0;
   std::optional<CropWindow> crop;  ///< Pixels outside stay black.
   /// With Method::kPath: > 0 sends that many guided rays for the indirect light of a pixel from the points
-  /// of its samples, at least 256 from each sixteen, rounded up to a power of two; 0: a path from each sample.
+  /// of its samples, at least 256 from each sixteen, rounded up to a power of two; 0: a path from each
+  /// sample.
   int path_rays = 0;
-  bool aovs = false;               ///< Adds the layers albedo, N and depth.
-  bool shade = true;               ///< false: records are placed, the picture stays black.
+  bool aovs = false;  ///< Adds the layers albedo, N and depth.
+  bool shade = true;  ///< false: records are placed, the picture stays black.
   CacheOptions cache;
 };
 
