@@ -92,12 +92,19 @@ SceneDescription scaled(SceneDescription scene, double factor) {
 TEST(Cache, DoesNotDependOnTheUnitOfLength) {
   for (const char* name : {"half_box.xml", "cornell_glossy.xml"}) {
     const SceneDescription description = test::describe_scene(name, 64, 64);
-    const RenderResult metres = render(Scene(description), indirect_by_cache());
-    const RenderResult millimetres = render(Scene(scaled(description, 1000.0)), indirect_by_cache());
-    EXPECT_LT(compare_rgb(millimetres.image, metres.image).relmse, 1e-3) << name;
-    EXPECT_NEAR(static_cast<double>(millimetres.stats.records) / static_cast<double>(metres.stats.records),
-                1.0, 0.02)
-        << name;
+    const Scene metres(description), millimetres(scaled(description, 1000.0));
+    // Roundings differ, and a point that is covered by a hair or not moves all records after it: single
+    // numbers of records scatter.
+    double records = 0.0, scaled_records = 0.0;
+    for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+      RenderOptions options = indirect_by_cache();
+      options.seed = seed;
+      const RenderResult a = render(metres, options), b = render(millimetres, options);
+      EXPECT_LT(compare_rgb(b.image, a.image).relmse, 1e-3) << name << ", seed " << seed;
+      records += static_cast<double>(a.stats.records);
+      scaled_records += static_cast<double>(b.stats.records);
+    }
+    EXPECT_NEAR(scaled_records / records, 1.0, 0.01) << name;
   }
 }
 
