@@ -23,6 +23,7 @@ using nlohmann::json;
 struct Settings : PictureSettings {
   std::vector<double> errors;
   std::vector<int> records;
+  std::vector<double> seconds;
   std::vector<std::string> samplers = {"image"};
   int gather_rays = 0;
   bool cache_only = false;
@@ -86,6 +87,7 @@ int equal_time_samples(const Scene& scene, double seconds) {
 struct CacheSetting {
   std::string label;
   CacheOptions options;
+  double seconds = 0.0;  ///< RenderOptions::seconds.
 };
 
 std::vector<CacheSetting> cache_settings(const Settings& settings) {
@@ -97,15 +99,17 @@ std::vector<CacheSetting> cache_settings(const Settings& settings) {
     base.sampler = sampler == "surface" ? Sampler::kSurface : Sampler::kImage;
     const std::string suffix = settings.samplers.size() > 1 ? " " + sampler : "";
     std::vector<double> errors = settings.errors;
-    if (errors.empty() && settings.records.empty()) errors.push_back(base.error);
+    if (errors.empty() && settings.records.empty() && settings.seconds.empty()) errors.push_back(base.error);
     for (const double error : errors) {
-      result.push_back({fmt::format("error {:g}{}", error, suffix), base});
+      result.push_back({fmt::format("error {:g}{}", error, suffix), base, 0.0});
       result.back().options.error = error;
     }
     for (const int records : settings.records) {
-      result.push_back({fmt::format("records {}{}", records, suffix), base});
+      result.push_back({fmt::format("records {}{}", records, suffix), base, 0.0});
       result.back().options.records = records;
     }
+    for (const double seconds : settings.seconds)
+      result.push_back({fmt::format("time {:g}{}", seconds, suffix), base, seconds});
   }
   return result;
 }
@@ -113,7 +117,8 @@ std::vector<CacheSetting> cache_settings(const Settings& settings) {
 void print_phases(const RenderStats& stats) {
   fmt::print("{:20}", "");
   for (const PhaseTime& phase : stats.phases) fmt::print("  {} {:.2f} s", phase.name, phase.cpu_seconds);
-  fmt::print("  gather rays {:.1f} M\n", 1e-6 * static_cast<double>(stats.gather_rays));
+  fmt::print("  gather rays {:.1f} M  estimated relMSE {:.2e}\n",
+             1e-6 * static_cast<double>(stats.gather_rays), stats.relative_error * stats.relative_error);
 }
 
 json compare(const Scene& scene, const References& references, const CacheSetting& setting,
@@ -125,6 +130,7 @@ json compare(const Scene& scene, const References& references, const CacheSettin
     RenderOptions options =
         indirect_light(Method::kCache, settings.samples_per_pixel, static_cast<std::uint64_t>(i + 1));
     options.cache = setting.options;
+    options.seconds = setting.seconds;
     const Measurement m = measure(scene, options, references);
     cache.add(m);
     records.push_back(static_cast<double>(m.stats.records));
@@ -172,6 +178,7 @@ json run_scene(const std::string& file, const Settings& settings) {
 void declare_options(CLI::App& app, Settings& settings) {
   declare_picture_options(app, settings);
   app.add_option("--error", settings.errors, "Error thresholds of the cache")->check(CLI::PositiveNumber);
+  app.add_option("--time", settings.seconds, "Wall-clock seconds of the cache")->check(CLI::PositiveNumber);
   app.add_option("--records", settings.records, "Numbers of records")->check(CLI::PositiveNumber);
   app.add_option("--sampler", settings.samplers, "image, surface or both")
       ->check(CLI::IsMember({"image", "surface"}));

@@ -98,7 +98,7 @@ void primary_rays(benchmark::State& state) {
   std::size_t next = 0;
   for (auto _ : state) {
     benchmark::DoNotOptimize(
-        trace_tile(f.scene, f.film, f.layout, next++ % f.layout.count(), {0, 1}, counts));
+        trace_tile(f.scene, f.film, pixels_of(f.layout, next++ % f.layout.count()), kAllPackets, counts));
   }
   state.SetItemsProcessed(static_cast<std::int64_t>(counts.camera));
 }
@@ -113,7 +113,8 @@ void interpolate_samples(benchmark::State& state) {
   PlacementResult placed = place_records(f.scene, view, options, 1, 1, {});
   const RadianceCache cache(placed.charts, std::move(placed.records), placed.reaches, placed.brdfs);
   RayCounts counts;
-  const Tile tile = trace_tile(f.scene, f.film, f.layout, f.layout.count() / 2, {0, 1}, counts);
+  const Tile tile =
+      trace_tile(f.scene, f.film, pixels_of(f.layout, f.layout.count() / 2), kAllPackets, counts);
   for (auto _ : state) {
     const TileRecords records(cache, tile);
     for (std::size_t i = 0; i < tile.points.size(); ++i) benchmark::DoNotOptimize(interpolate(records, i, 2));
@@ -126,7 +127,8 @@ void path_samples(benchmark::State& state) {
   const Fixture& f = fixture();
   RayCounts counts;
   const PathOptions options = {static_cast<int>(state.range(0)), true, false};
-  const Tile tile = trace_tile(f.scene, f.film, f.layout, f.layout.count() / 2, {0, 1}, counts);
+  const Tile tile =
+      trace_tile(f.scene, f.film, pixels_of(f.layout, f.layout.count() / 2), kAllPackets, counts);
   for (auto _ : state) {
     for (std::size_t i = 0; i < tile.points.size(); ++i) {
       const CameraPacket& packet = tile.packets[i];

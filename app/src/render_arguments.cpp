@@ -145,9 +145,16 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
   group(declare_preset(command, cache));
   CLI::Option* error = group(add_number(command, "--error", cache.error, NumberRange<double>{1e-5, 10.0},
                                         "Accepted relative error of the picture; smaller is slower"));
+  CLI::Option* time =
+      group(add_number(command, "--time", arguments.seconds, NumberRange<double>{0.01, 1e7},
+                       "Seconds that the command may take before it writes files, instead of --error; the "
+                       "picture then depends on the clock",
+                       "by --error"));
+  time->excludes(error);
   group(add_number(command, "--records", cache.records, NumberRange<int>{1, 100'000'000},
                    "Make about this many records (within 5 %) instead of following --error", "by --error"))
-      ->excludes(error);
+      ->excludes(error)
+      ->excludes(time);
   group(add_number(command, "--gather-rays", cache.gather_rays, NumberRange<int>{1, 1 << 20},
                    "Rays of a record, rounded up to a power of two, at least 1024", "by sharpness"));
   group(add_number(command, "--taylor-order", cache.taylor_order, NumberRange<int>{0, 2},
@@ -212,6 +219,11 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
                    "Of the mean radiance, which errors in the dark are relative to"));
   group(add_number(command, "--blend-support", cache.blend_support, NumberRange<double>{1.0, 3.0},
                    "Records are blended up to this multiple of their radii"));
+  group(add_choice(command, "--supersample-edges", cache.supersample_edges, {{"on", true}, {"off", false}},
+                   "Up to eight times the samples (128 at most) where a pixel's see different surfaces"));
+  group(
+      add_choice(command, "--hard-pixels", cache.hard_pixels, {{"on", true}, {"off", false}},
+                 "Gather again at pixels whose records disagree or that see an edge, and measure the error"));
   group(add_choice(command, "--joint-fit", cache.joint_fit, {{"on", true}, {"off", false}},
                    "Refine records by their neighbours' values"));
   CLI::Option* baseline = group(add_choice(command, "--baseline", arguments.baseline,
@@ -251,6 +263,7 @@ RenderOptions render_options_for(const RenderArguments& arguments, const SceneDe
   if (arguments.camera_path) options.cache.representation = Representation::kHarmonics;
   options.cache = baseline_options(arguments.baseline, options.cache);
   options.samples_per_pixel = arguments.samples_per_pixel.value_or(scene.samples_per_pixel);
+  options.seconds = arguments.seconds;
   options.bounces = bounces_for(arguments, scene);
   check_crop(options.crop, scene.camera);
   return options;

@@ -14,6 +14,7 @@ namespace vrc {
 struct RenderArguments : SceneArguments {
   RenderOptions render;  ///< Without what the scene decides; see `render_options_for`.
   Baseline baseline = Baseline::kNone;
+  double seconds = 0.0;                  ///< > 0: that reading and rendering may take.
   std::optional<int> samples_per_pixel;  ///< Default: the scene's.
 
   std::vector<std::filesystem::path> images;       ///< .exr and .png

@@ -72,6 +72,7 @@ void check_camera_path(const RenderArguments& arguments) {
         "--camera-path needs records that serve any camera: give --strategy view-independent or "
         "view-independent-outgoing, or a --baseline");
   }
+  if (arguments.seconds > 0.0) throw InputError("--camera-path makes records by --error, not by --time");
   if (cache.records > 0) throw InputError("--camera-path makes records by --error, not by --records");
   if (!arguments.record_maps.empty() || arguments.record_ellipses || arguments.record_overlay ||
       arguments.reference) {
@@ -89,6 +90,9 @@ void check_render_arguments(const RenderArguments& arguments) {
   }
   if (arguments.render.path_rays > 0 && arguments.render.method != Method::kPath) {
     throw InputError("--path-rays needs --method path");
+  }
+  if (arguments.seconds > 0.0 && arguments.render.method != Method::kCache) {
+    throw InputError("--time needs --method cache; path tracing takes --spp");
   }
   if (arguments.camera_path) check_camera_path(arguments);
   check_scene_arguments(arguments);

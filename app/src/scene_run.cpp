@@ -58,6 +58,11 @@ RenderResult render_reported(const Scene& scene, bool quiet, const std::atomic<b
                              const EarlierFrames& earlier, RunReport& report) {
   const PhaseTimer rendering("render");
   RenderResult result;
+  if (report.options.seconds > 0.0) {
+    // Reading and building have taken a part.
+    for (const PhaseTime& phase : report.stats.phases) report.options.seconds -= phase.seconds;
+    report.options.seconds = std::max(report.options.seconds, 1e-3);
+  }
   with_progress(quiet, stop,
                 [&](const RunControl& control) { result = render(scene, report.options, control, earlier); });
   report.render_seconds = rendering.elapsed().seconds;

@@ -96,6 +96,9 @@ Json json_of(const RunReport& report) {
       {"records_of_sh_by_reason", std::move(harmonics)},
       {"records_needing_sh", report.classes.needs_sh},
       {"records_by_curvature", std::move(reasons)},
+      {"hard_pixels", stats.hard_pixels},
+      {"accepted_error", stats.error},
+      {"relative_error", stats.relative_error},
       {"gather_rays", stats.gather_rays},
       {"shadow_rays", stats.shadow_rays},
       {"camera_rays", stats.camera_rays},
@@ -122,6 +125,8 @@ std::string summary_line(const RunReport& report) {
   if (report.options.method == Method::kCache) {
     line += fmt::format(", {} records ({} of spherical harmonics)", report.stats.records,
                         report.stats.records - report.classes.taylor());
+    if (report.stats.relative_error > 0.0)
+      line += fmt::format(", estimated error {:.2g} %", 100.0 * report.stats.relative_error);
   }
   line +=
       fmt::format(", {}rays ({}rays/s), {} MB", short_count(static_cast<double>(total_rays(report.stats))),

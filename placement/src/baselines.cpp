@@ -12,6 +12,8 @@ CacheOptions baseline_options(Baseline baseline, const CacheOptions& budget) {
   options.glossy_glossy = false;
   options.gradient_share = 0.0;
   options.joint_fit = false;
+  options.supersample_edges = false;
+  options.hard_pixels = false;
   switch (baseline) {
     case Baseline::kNone:
     case Baseline::kKrivanek:

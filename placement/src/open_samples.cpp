@@ -11,9 +11,13 @@ namespace {
 
 using TakenBlocks = std::array<bool, (kTileSize / 2) * (kTileSize / 2)>;
 
-void add_open_samples(const TileRecords& records, TakenBlocks& taken, std::vector<OpenSample>& result) {
+std::size_t block_of(const Pixel& pixel, const Pixel& first) {
+  return static_cast<std::size_t>((pixel.y - first.y) / 2 * (kTileSize / 2) + (pixel.x - first.x) / 2);
+}
+
+void add_open_samples(const TileRecords& records, const Pixel& first_pixel, TakenBlocks& taken,
+                      std::vector<OpenSample>& result) {
   const Tile& tile = records.tile();
-  const auto row = static_cast<std::size_t>(tile.x1 - tile.x0);
   for (std::size_t i = 0; i < tile.points.size(); ++i) {
     const SurfacePoint16& p = tile.points[i];
     I16 open = p.scatters;
@@ -22,8 +26,8 @@ void add_open_samples(const TileRecords& records, TakenBlocks& taken, std::vecto
                        [&](const PackedRecord&, const Coverage16& c) { open &= ~(c.weight > 0.0f); });
     }
     if (!any(open)) continue;
-    const std::size_t pixel = i / static_cast<std::size_t>(tile.packets_per_pixel);
-    bool& block = taken[(pixel / row / 2) * (kTileSize / 2) + (pixel % row) / 2];
+    const Pixel& pixel = tile.pixels[i / static_cast<std::size_t>(tile.packets_per_pixel)];
+    bool& block = taken[block_of(pixel, first_pixel)];
     if (block) continue;
     block = true;
     const int lane = first_lane(open);
@@ -36,13 +40,12 @@ void add_open_samples(const TileRecords& records, TakenBlocks& taken, std::vecto
 }  // namespace
 
 std::vector<OpenSample> find_open_samples(const Scene& scene, const FilmSampler& film,
-                                          const RadianceCache& cache, const TileLayout& layout,
-                                          std::size_t tile, RayCounts& counts) {
+                                          const RadianceCache& cache, const std::vector<Pixel>& pixels,
+                                          bool supersample_edges, RayCounts& counts) {
   std::vector<OpenSample> result;
   TakenBlocks taken{};
-  for_each_range(film, [&](const PacketRange& range) {
-    const Tile traced = trace_tile(scene, film, layout, tile, range, counts);
-    add_open_samples(TileRecords(cache, traced), taken, result);
+  for_each_traced(scene, film, pixels, supersample_edges, counts, [&](const Tile& tile) {
+    add_open_samples(TileRecords(cache, tile), pixels.front(), taken, result);
   });
   return result;
 }

@@ -15,10 +15,11 @@ struct OpenSample {
   std::uint64_t key;
 };
 
-/// Samples of a tile that no region reaches, widened kWideSupport times; at most one for each square of
-/// 2 x 2 pixels.
+/// Samples of a tile's pixels that no region reaches, widened kWideSupport times; at most one for each square
+/// of 2 x 2 pixels.
 [[nodiscard]] std::vector<OpenSample> find_open_samples(const Scene& scene, const FilmSampler& film,
-                                                        const RadianceCache& cache, const TileLayout& layout,
-                                                        std::size_t tile, RayCounts& counts);
+                                                        const RadianceCache& cache,
+                                                        const std::vector<Pixel>& pixels,
+                                                        bool supersample_edges, RayCounts& counts);
 
 }  // namespace vrc

@@ -9,6 +9,7 @@ namespace vrc {
 namespace {
 
 constexpr double kSimilarNormal = 0.95;                 // least cosine of normals that share a guide
+constexpr double kSharedPixels = 4.0;                   // greatest distance over which it is shared
 constexpr int kLatticeStep = 12;                        // pixels between guides where there are no records
 constexpr int kLog2FirstRays = 12, kLog2MoreRays = 11;  // of the coarser lattice, and of those that it guides
 
@@ -76,9 +77,11 @@ GuideField guides_of_view(const Scene& scene, const PlacementView& view, int bou
 const GuideWarp* PixelGatherer::warp_for(const RecordSite& site, Surfaces& surfaces) const {
   const SurfacePoint& p = site.point;
   for (const Surfaces::Kind& kind : surfaces.kinds_) {
-    if (kind.material == p.material && kind.normal.dot(p.normal) >= kSimilarNormal) return kind.warp.get();
+    if (kind.material == p.material && kind.normal.dot(p.normal) >= kSimilarNormal &&
+        (kind.position - p.position).norm() <= kSharedPixels * site.pixel_length)
+      return kind.warp.get();
   }
-  Surfaces::Kind kind{p.material, p.normal, nullptr};
+  Surfaces::Kind kind{p.material, p.position, p.normal, nullptr};
   if (const std::unique_ptr<GuideHistogram> guide = guides_.at(site)) {
     kind.warp = std::make_unique<const GuideWarp>(
         guide_warp(*guide, scene_.bsdfs()[static_cast<std::size_t>(p.material)]));
@@ -87,40 +90,53 @@ const GuideWarp* PixelGatherer::warp_for(const RecordSite& site, Surfaces& surfa
   return surfaces.kinds_.back().warp.get();
 }
 
-/// The points of one Sobol net go to the sites by turns, from a random one on: every site has an unbiased
+/// The packets of one Sobol net go to the points by turns, from a random one on: every point has an unbiased
 /// share of the net.
-std::array<double, 3> PixelGatherer::gather(const SurfacePoint16& points, int log2_rays, std::uint64_t key,
-                                            Surfaces& surfaces, RayCounts& counts) const {
+std::array<double, 3> PixelGatherer::gather(std::span<const SurfacePoint16> points, int log2_rays,
+                                            std::uint64_t key, Surfaces& surfaces, RayCounts& counts) const {
   GatherOptions options;
   options.log2_rays = log2_rays;
   options.bounces = bounces_;
   options.glossy_glossy = options.total_derivative = false;
   options.seed = seed_;
-  std::vector<GatherRays> rays;
-  rays.reserve(kLanes);
-  for (std::uint64_t lane = 0; lane < kLanes; ++lane) {
-    if (points.scatters[lane] == 0) continue;
-    const RecordSite site =
-        make_site(scene_,
-                  scene_.surface_point(static_cast<std::uint32_t>(points.triangle[lane]), points.u[lane],
-                                       points.v[lane], scene_.camera().origin),
-                  hash(key, lane));
-    rays.emplace_back(scene_, site, options, counts, warp_for(site, surfaces));
+  struct Lane {
+    const SurfacePoint16* packet;
+    int lane;
+  };
+  std::vector<Lane> lanes;
+  for (const SurfacePoint16& packet : points) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      if (packet.scatters[lane] != 0) lanes.push_back({&packet, lane});
+    }
   }
-  if (rays.empty()) return {};
+  if (lanes.empty()) return {};
   static thread_local SobolGrid grid;  // storage only: filled anew for every gather
   fill_sobol_grid(grid, log2_rays, hash(seed_, key));
-  std::size_t site = hash(seed_, key, 0x51deu) % rays.size();
+  const std::size_t first = hash(seed_, key, 0x51deu) % lanes.size();
+  std::vector<GatherRays> rays;
+  const std::size_t used = std::min(lanes.size(), grid.size() / kLanes);
+  rays.reserve(used);
+  for (std::size_t i = 0; i < used; ++i) {
+    const std::size_t at = (first + i) % lanes.size();
+    const auto& [packet, lane] = lanes[at];
+    const RecordSite site =
+        make_site(scene_,
+                  scene_.surface_point(static_cast<std::uint32_t>(packet->triangle[lane]), packet->u[lane],
+                                       packet->v[lane], scene_.camera().origin),
+                  hash(key, at));
+    rays.emplace_back(scene_, site, options, counts, warp_for(site, surfaces));
+  }
   V3x16 sum{};
-  for (std::size_t i = 0; i < grid.size(); i += kLanes, site = (site + 1) % rays.size()) {
+  for (std::size_t i = 0; i < grid.size(); i += kLanes) {
     F16 u[kSobolDimensions];
     for (int d = 0; d < kSobolDimensions; ++d) __builtin_memcpy(&u[d], grid.u[d].data() + i, sizeof(F16));
+    GatherRays& turn = rays[i / kLanes % used];
     GatherPacket16 packet;
-    const F16 density = rays[site].choose_direction(u[0], u[1], packet);
-    if (rays[site].trace(density, u[2], u[3], static_cast<std::uint32_t>(i), packet))
-      sum += reflected(rays[site], packet);
+    const F16 density = turn.choose_direction(u[0], u[1], packet);
+    if (turn.trace(density, u[2], u[3], static_cast<std::uint32_t>(i), packet))
+      sum += reflected(turn, packet);
   }
-  const double scale = static_cast<double>(rays.size()) / static_cast<double>(grid.size());
+  const double scale = static_cast<double>(lanes.size()) / static_cast<double>(grid.size());
   return {scale * lane_total(sum.x), scale * lane_total(sum.y), scale * lane_total(sum.z)};
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 
+#include "core/hash.h"
 #include "core/parallel.h"
 #include "open_samples.h"
 #include "placement/joint_fit.h"
@@ -25,9 +26,12 @@ constexpr double kNoiseLimit = 2.5;  // times the noise share
 constexpr int kSampleRounds = 24;    // passes over the samples that the points miss
 constexpr int kCountRounds = 80;     // steps of the search for a wanted number of records
 constexpr int kWidenSteps = 6;
+constexpr double kCountPower = 0.46;    // the number of records grows about as epsilon^-kCountPower
 constexpr double kCoarsestError = 2.0;  // where that search begins
 
-class Placement {
+}  // namespace
+
+class RecordPlacer::Placement {
  public:
   Placement(const Scene& scene, const PlacementView& view, const CacheOptions& options, int bounces,
             std::uint64_t seed, const RunControl& control, const EarlierFrames& earlier)
@@ -35,8 +39,9 @@ class Placement {
         view_(view),
         options_(options),
         control_(control),
+        earlier_(earlier.cache != nullptr),
         charts_(earlier.cache != nullptr ? earlier.cache->shared_charts() : make_charts()),
-        factory_(*charts_, options, earlier.cache != nullptr ? earlier.cache->brdfs() : nullptr),
+        factory_(*charts_, options_, earlier.cache != nullptr ? earlier.cache->brdfs() : nullptr),
         points_(options.sampler == Sampler::kImage ? pixel_centres(*charts_, view, result_.counts.camera)
                                                    : film_points(*charts_, view, result_.counts.camera)),
         guides_(scene) {
@@ -58,20 +63,42 @@ class Placement {
       chooser_ = std::make_unique<FrontChooser>(*charts_, points_);
   }
 
-  PlacementResult run() {
-    PhaseTimer timer("place records");
-    if (result_.scale.log2_rays == 0) pilot();
+  void cover(double error) {
+    const PhaseTimer timer("place records");
+    if (noise_ == 0.0 && result_.scale.log2_rays == 0) pilot();
     rule_.mean_luminance = result_.scale.mean_luminance;
-    gather_.log2_rays = result_.scale.log2_rays;
-    if (options_.gather_rays == 0) noise_goal_ = {kNoiseLimit * accepted_noise(), rule_.mean_luminance};
-    if (options_.records > 0) {
+    options_.error = error;
+    const double before = log2_rays_;
+    log2_rays_ = log2_rays_for_noise(error);
+    result_.scale.log2_rays = log2_rays_;
+    if (options_.gather_rays == 0) noise_goal_ = {kNoiseLimit * accepted_noise(error), rule_.mean_luminance};
+    if (!result_.records.empty() && log2_rays_ > before && !earlier_) add_rays(before);
+    if (options_.records > 0)
       reach_count();
-    } else {
+    else
       sweep(threshold(options_.error), *chooser_);
-      if (!result_.unfinished) cover_samples();
-    }
-    reach_widely();
-    result_.phases.push_back(timer.elapsed());
+    add_time(timer);
+  }
+
+  [[nodiscard]] double relative_work(double error) const {
+    const double records = std::pow(threshold(options_.error) / threshold(error), kCountPower);
+    return records * mean_rays(log2_rays_for_noise(error)) / mean_rays(log2_rays_);
+  }
+  [[nodiscard]] std::uint64_t gather_rays() const { return result_.counts.gather; }
+
+  [[nodiscard]] PlacementResult snapshot() const {
+    PlacementResult copy = result_;
+    reach_widely(copy);
+    copy.charts = charts_;
+    copy.brdfs = factory_.brdfs();
+    return copy;
+  }
+
+  PlacementResult finish() {
+    const PhaseTimer timer("place records");
+    if (options_.records == 0 && !result_.unfinished) cover_samples();
+    reach_widely(result_);
+    add_time(timer);
     if (options_.joint_fit) {
       PhaseTimer fit_timer("fit records");
       fit_jointly(*charts_, result_.records, result_.reaches, rule_);
@@ -103,7 +130,8 @@ class Placement {
     std::vector<RadianceRecord> made(sites.size());
     std::vector<RayCounts> counts(sites.size());
     parallel_for(sites.size(), [&](std::size_t i) {
-      if (!control_.stopped()) made[i] = factory.make(sites[i], gather_, noise_goal_, counts[i], &guides_);
+      if (!control_.stopped())
+        made[i] = factory.make(sites[i], gather_at(sites[i]), noise_goal_, counts[i], &guides_);
     });
     if (control_.stopped()) {
       result_.unfinished = true;
@@ -127,7 +155,8 @@ class Placement {
   void shape(std::size_t first) {
     std::vector<RayCounts> counts(result_.records.size() - first);
     parallel_for(counts.size(), [&](std::size_t i) {
-      factory_.shape(result_.records[first + i], rule_, gather_, counts[i]);
+      factory_.shape(result_.records[first + i], rule_, gather_at(result_.records[first + i].site),
+                     counts[i]);
     });
     for (const RayCounts& c : counts) result_.counts += c;
   }
@@ -150,7 +179,7 @@ class Placement {
   void pilot() {
     std::vector<std::uint32_t> pilots(points_.pilot_count());
     std::iota(pilots.begin(), pilots.end(), 0u);
-    gather_.log2_rays = kLog2PilotRays;
+    log2_rays_ = kLog2PilotRays;
     CacheOptions cheap = options_;
     cheap.representation = Representation::kAnalytic;
     cheap.strategy = Strategy::kViewDependent;
@@ -163,36 +192,84 @@ class Placement {
     for (const RadianceRecord& record : result_.records) sum += record.estimate.luminance.value;
     rule_.mean_luminance =
         result_.records.empty() ? 1.0 : std::max(sum / static_cast<double>(result_.records.size()), 1e-30);
-    gather_.log2_rays = options_.gather_rays > 0 ? log2_rays_for(options_.gather_rays) : rays_for_noise();
-    result_.scale = {rule_.mean_luminance, gather_.log2_rays};
+    noise_ = typical_noise();
+    result_.scale.mean_luminance = rule_.mean_luminance;
     result_.records.clear();
   }
 
   /// Of all pilots, those that find out where light is for the others.
-  [[nodiscard]] std::size_t unguided_pilots(std::size_t all) const { return options_.sends_guided_rays() ? all / 2 : 0; }
+  [[nodiscard]] std::size_t unguided_pilots(std::size_t all) const {
+    return options_.sends_guided_rays() ? all / 2 : 0;
+  }
 
-  /// Rays that bring a typical record's relative noise down to the accepted error; the joint fit and
-  /// the blending of overlapping records lower it further.
-  [[nodiscard]] int rays_for_noise() const {
+  /// Relative noise of a typical record of the guided pilots; 0: there is none.
+  [[nodiscard]] double typical_noise() const {
     std::vector<double> noise;
     const std::size_t unguided = unguided_pilots(result_.records.size());
     for (const RadianceRecord& record : std::span(result_.records).subspan(unguided)) {
       noise.push_back(std::sqrt(record.estimate.variance.value) /
                       perceived(record.estimate.luminance.value, rule_.mean_luminance));
     }
-    if (noise.empty()) return kFewestLog2Rays;
+    if (noise.empty()) return 0.0;
     const auto middle = noise.begin() + static_cast<std::ptrdiff_t>(noise.size() / 2);
     std::ranges::nth_element(noise, middle);
-    return log2_rays_for(kLog2PilotRays, *middle, accepted_noise());
+    return *middle;
   }
 
-  [[nodiscard]] double accepted_noise() const {
-    return (options_.sends_guided_rays() ? kGuidedNoiseShare : kNoiseShare) * accepted_error();
+  /// Rays that bring a typical record's noise down to the accepted error; the joint fit and the blending of
+  /// overlapping records lower it further.
+  [[nodiscard]] double log2_rays_for_noise(double error) const {
+    if (options_.gather_rays > 0) return log2_rays_for(options_.gather_rays);
+    if (noise_ == 0.0) return std::max(result_.scale.log2_rays, static_cast<double>(kFewestLog2Rays));
+    return log2_rays_for(kLog2PilotRays, noise_, accepted_noise(error));
+  }
+
+  /// A power of two below or above `log2_rays`, at random by the site.
+  [[nodiscard]] int log2_rays_at(const RecordSite& site, double log2_rays) const {
+    const double dither = static_cast<double>(hash(gather_.seed, site.key, 0xd17eu) >> 11) * 0x1p-53;
+    return static_cast<int>(std::floor(log2_rays + dither));
+  }
+  /// Of the sites' mean.
+  [[nodiscard]] static double mean_rays(double log2_rays) {
+    const double below = std::floor(log2_rays);
+    return std::exp2(below) * (1.0 + log2_rays - below);
+  }
+  [[nodiscard]] GatherOptions gather_at(const RecordSite& site) const {
+    GatherOptions options = gather_;
+    options.log2_rays = log2_rays_at(site, log2_rays_);
+    return options;
+  }
+
+  /// Gives all records, which were made with 2^before rays, as many as new ones have.
+  void add_rays(double before) {
+    if (factory_.holds_only_harmonics()) return;
+    std::vector<RayCounts> counts(result_.records.size());
+    parallel_for(counts.size(), [&](std::size_t i) {
+      RadianceRecord& record = result_.records[i];
+      const int doublings = log2_rays_at(record.site, log2_rays_) - log2_rays_at(record.site, before);
+      if (doublings == 0) return;
+      const double wanted = static_cast<double>(record.rays) * (std::exp2(doublings) - 1.0);
+      const int log2_rays = static_cast<int>(std::lround(std::log2(wanted)));
+      if (!control_.stopped())
+        factory_.add_rays(record, gather_, std::min(log2_rays, kMostLog2Rays), counts[i]);
+    });
+    for (const RayCounts& c : counts) result_.counts += c;
+  }
+
+  void add_time(const PhaseTimer& timer) {
+    const PhaseTime time = timer.elapsed();
+    if (result_.phases.empty() || result_.phases.back().name != time.name) {
+      result_.phases.push_back(time);
+      return;
+    }
+    result_.phases.back().seconds += time.seconds;
+    result_.phases.back().cpu_seconds += time.cpu_seconds;
   }
 
   /// With a wanted number of records the error is unknown: the default's noise is aimed at.
-  [[nodiscard]] double accepted_error() const {
-    return options_.records > 0 ? CacheOptions{}.error : options_.error;
+  [[nodiscard]] double accepted_noise(double error) const {
+    const double accepted = options_.records > 0 ? CacheOptions{}.error : error;
+    return (options_.sends_guided_rays() ? kGuidedNoiseShare : kNoiseShare) * accepted;
   }
 
   /// Gives all records their regions at a threshold and marks the pixels that they cover.
@@ -248,9 +325,9 @@ class Placement {
       const double ratio =
           static_cast<double>(wanted) / static_cast<double>(std::max<std::size_t>(result_.records.size(), 1));
       if (ratio < 1.03) break;
-      // The count grows about as epsilon^-0.46; approach from below, since records are kept.
+      // Approach from below, since records are kept.
       covering = epsilon;
-      epsilon *= std::pow(std::clamp(0.85 * ratio, 1.08, 5.0), -1.0 / 0.46);
+      epsilon *= std::pow(std::clamp(0.85 * ratio, 1.08, 5.0), -1.0 / kCountPower);
       sweep(epsilon, *chooser_, wanted);
     }
     if (!result_.unfinished && !all_covered()) widen(epsilon, covering);
@@ -267,11 +344,11 @@ class Placement {
   }
 
   /// Fills in the reaches of the records that have none yet.
-  void reach_widely() {
+  void reach_widely(PlacementResult& result) const {
     static_assert(kWideSupport >= kFitSupport);
-    const std::size_t first = result_.reaches.size();
-    for (SurfaceReach& reach : reaches_of(*charts_, std::span(result_.records).subspan(first), kWideSupport))
-      result_.reaches.push_back(std::move(reach));
+    const std::size_t first = result.reaches.size();
+    for (SurfaceReach& reach : reaches_of(*charts_, std::span(result.records).subspan(first), kWideSupport))
+      result.reaches.push_back(std::move(reach));
   }
 
   /// Slivers between the points: what no region reaches even when widened gets records.
@@ -280,12 +357,13 @@ class Placement {
     std::vector<std::size_t> tiles(layout.count());
     for (std::size_t i = 0; i < tiles.size(); ++i) tiles[i] = i;
     for (int round = 0; round < kSampleRounds && !tiles.empty() && !result_.unfinished; ++round) {
-      reach_widely();
+      reach_widely(result_);
       const RadianceCache cache(charts_, result_.records, result_.reaches, factory_.brdfs());
       std::vector<std::vector<OpenSample>> open(tiles.size());
       std::vector<RayCounts> counts(tiles.size());
       parallel_for(tiles.size(), [&](std::size_t i) {
-        open[i] = find_open_samples(scene_, *view_.film, cache, layout, tiles[i], counts[i]);
+        open[i] = find_open_samples(scene_, *view_.film, cache, pixels_of(layout, tiles[i]),
+                                    options_.supersample_edges, counts[i]);
       });
       std::vector<RecordSite> sites;
       std::vector<std::size_t> again;
@@ -315,8 +393,9 @@ class Placement {
 
   const Scene& scene_;
   const PlacementView& view_;
-  const CacheOptions& options_;
+  CacheOptions options_;
   const RunControl& control_;
+  bool earlier_;  // there are records of other frames
   PlacementResult result_;
   std::shared_ptr<const SceneCharts> charts_;
   RecordFactory factory_;
@@ -325,10 +404,23 @@ class Placement {
   GatherOptions gather_;
   GuideField guides_;
   NoiseGoal noise_goal_;
+  double log2_rays_ = 0.0;  // of records, on average
+  double noise_ = 0.0;      // relative, of a typical record with kLog2PilotRays
   RegionRule rule_;
 };
 
-}  // namespace
+RecordPlacer::RecordPlacer(const Scene& scene, const PlacementView& view, const CacheOptions& options,
+                           int bounces, std::uint64_t seed, const RunControl& control,
+                           const EarlierFrames& earlier)
+    : placement_(std::make_unique<Placement>(scene, view, options, bounces, seed, control, earlier)) {}
+
+RecordPlacer::~RecordPlacer() = default;
+
+void RecordPlacer::cover(double error) { placement_->cover(error); }
+double RecordPlacer::relative_work(double error) const { return placement_->relative_work(error); }
+std::uint64_t RecordPlacer::gather_rays() const { return placement_->gather_rays(); }
+PlacementResult RecordPlacer::snapshot() const { return placement_->snapshot(); }
+PlacementResult RecordPlacer::finish() { return placement_->finish(); }
 
 int log2_rays_for(int rays) {
   return std::max(kFewestLog2Rays, static_cast<int>(std::bit_width(static_cast<unsigned>(rays - 1))));
@@ -337,7 +429,9 @@ int log2_rays_for(int rays) {
 PlacementResult place_records(const Scene& scene, const PlacementView& view, const CacheOptions& options,
                               int bounces, std::uint64_t seed, const RunControl& control,
                               const EarlierFrames& earlier) {
-  return Placement(scene, view, options, bounces, seed, control, earlier).run();
+  RecordPlacer placer(scene, view, options, bounces, seed, control, earlier);
+  placer.cover(options.error);
+  return placer.finish();
 }
 
 }  // namespace vrc

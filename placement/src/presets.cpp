@@ -25,6 +25,8 @@ CacheOptions paper_preset(const CacheOptions& budget) {
   options.max_normal_deviation = 0.1;
   options.blend_support = 1.0;
   options.joint_fit = false;
+  options.hard_pixels = false;
+  options.supersample_edges = false;
   return options;
 }
 

@@ -42,6 +42,7 @@ PackedRecord pack(const RadianceRecord& record) {
   }
   p.gradient_factor = static_cast<float>(record.gradient_factor);
   p.hessian_factor = static_cast<float>(record.hessian_factor);
+  p.variance = static_cast<float>(record.estimate.variance.value);
   return p;
 }
 

@@ -83,6 +83,27 @@ GatherDirections directions_for(const CacheOptions& options) {
                                                       : GatherDirections::kCosine;
 }
 
+Jet2 weighted(const Jet2& a, double share_of_a, const Jet2& b, double share_of_b) {
+  Jet2 sum;
+  sum.value = share_of_a * a.value + share_of_b * b.value;
+  sum.gradient = share_of_a * a.gradient + share_of_b * b.gradient;
+  sum.hessian = share_of_a * a.hessian + share_of_b * b.hessian;
+  return sum;
+}
+
+/// The estimate of the rays of two independent ones together.
+RadianceEstimate pooled(const RadianceEstimate& a, double rays_of_a, const RadianceEstimate& b,
+                        double rays_of_b) {
+  const double sa = rays_of_a / (rays_of_a + rays_of_b), sb = 1.0 - sa;
+  RadianceEstimate sum;
+  for (std::size_t c = 0; c < 3; ++c) sum.radiance[c] = weighted(a.radiance[c], sa, b.radiance[c], sb);
+  sum.luminance = weighted(a.luminance, sa, b.luminance, sb);
+  sum.variance = weighted(a.variance, sa * sa, b.variance, sb * sb);
+  sum.hits = a.hits.nearest <= b.hits.nearest ? a.hits : b.hits;
+  sum.hits.mean_inverse = sa * a.hits.mean_inverse + sb * b.hits.mean_inverse;
+  return sum;
+}
+
 /// Luminance of incident radiance in all directions.
 Jet2 all_incident(const IncidentHarmonics& incident) {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(incident.count(), IncidentHarmonics::kEntries);
@@ -171,8 +192,7 @@ RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& 
     estimate.luminance = harmonics->luminance;
     return estimate;
   };
-  const bool only_harmonics = options_.representation == Representation::kHarmonics ||
-                              options_.representation == Representation::kIrradiance;
+  const bool only_harmonics = holds_only_harmonics();
   RadianceRecord record = make_record(scene, site, only_harmonics ? gather_harmonics_at : gather_radiance_at,
                                       gather.log2_rays, goal);
   if (only_harmonics) {
@@ -189,6 +209,25 @@ RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& 
   record.harmonics = std::move(harmonics);
   record.found = std::move(found);
   return record;
+}
+
+void RecordFactory::add_rays(RadianceRecord& record, const GatherOptions& gather, int log2_rays,
+                             RayCounts& counts) const {
+  GatherOptions options = gather;
+  options.log2_rays = log2_rays;
+  options.seed = hash(gather.seed, 0xadd5u, record.rays);
+  RadianceEstimate more;
+  if (options_.sends_guided_rays() && record.found) {
+    auto own = std::make_shared<GuideHistogram>();
+    more = gather_radiance(charts_.scene(), record.site, options, counts, {record.found.get(), own.get()});
+    record.found = std::move(own);
+  } else {
+    more = gather_radiance(charts_.scene(), record.site, options, counts);
+  }
+  const auto rays = static_cast<double>(std::uint64_t{1} << log2_rays);
+  record.estimate = pooled(record.estimate, static_cast<double>(record.rays), more, rays);
+  record.rays += std::uint64_t{1} << log2_rays;
+  if (options_.representation == Representation::kHybrid) record.harmonics.reset();
 }
 
 std::shared_ptr<const RecordHarmonics> RecordFactory::gather_harmonics(const RecordSite& site,

@@ -172,9 +172,10 @@ void set_radiance(RadianceRecord& record, const std::array<Jet2, 3>& jets, doubl
   }
 }
 
-int log2_rays_for(int log2_rays, double deviation, double wanted) {
+double log2_rays_for(double log2_rays, double deviation, double wanted) {
   const double doublings = 2.0 / kVarianceConvergence * std::log2(std::max(deviation / wanted, 1e-9));
-  return std::clamp(log2_rays + static_cast<int>(std::lround(doublings)), kFewestLog2Rays, kMostLog2Rays);
+  return std::clamp(log2_rays + doublings, static_cast<double>(kFewestLog2Rays),
+                    static_cast<double>(kMostLog2Rays));
 }
 
 RadianceRecord make_record(const Scene& scene, const RecordSite& site, const Gather& gather, int log2_rays,
@@ -182,6 +183,7 @@ RadianceRecord make_record(const Scene& scene, const RecordSite& site, const Gat
   RadianceRecord record;
   record.site = site;
   record.estimate = gather(site, log2_rays);
+  record.rays = std::uint64_t{1} << log2_rays;
   if (record.estimate.hits.nearest < 0.5 * site.pixel_length) {
     if (const auto moved = moved_out_of_crease(scene, site, record.estimate.hits.nearest_direction)) {
       record.site = make_site(scene, *moved, site.key);
@@ -191,8 +193,11 @@ RadianceRecord make_record(const Scene& scene, const RecordSite& site, const Gat
   if (goal.relative > 0.0) {
     const double deviation = std::sqrt(record.estimate.variance.value);
     const double wanted = goal.relative * perceived(record.estimate.luminance.value, goal.mean_luminance);
-    const int more = log2_rays_for(log2_rays, deviation, wanted);
-    if (more > log2_rays) record.estimate = gather(record.site, more);
+    const int more = static_cast<int>(std::lround(log2_rays_for(log2_rays, deviation, wanted)));
+    if (more > log2_rays) {
+      record.estimate = gather(record.site, more);
+      record.rays = std::uint64_t{1} << more;
+    }
   }
   return record;
 }

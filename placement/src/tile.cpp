@@ -6,33 +6,48 @@
 
 namespace vrc {
 
-Tile empty_tile(const TileLayout& layout, std::size_t index) {
-  Tile tile;
+std::vector<Pixel> pixels_of(const TileLayout& layout, std::size_t index) {
   const int column = static_cast<int>(index) % layout.columns(),
             row = static_cast<int>(index) / layout.columns();
-  tile.x0 = layout.x0 + column * kTileSize;
-  tile.y0 = layout.y0 + row * kTileSize;
-  tile.x1 = std::min(tile.x0 + kTileSize, layout.x1);
-  tile.y1 = std::min(tile.y0 + kTileSize, layout.y1);
-  return tile;
+  const int x0 = layout.x0 + column * kTileSize, y0 = layout.y0 + row * kTileSize;
+  std::vector<Pixel> pixels;
+  for (int y = y0; y < std::min(y0 + kTileSize, layout.y1); ++y) {
+    for (int x = x0; x < std::min(x0 + kTileSize, layout.x1); ++x) pixels.push_back({x, y});
+  }
+  return pixels;
 }
 
-Tile trace_tile(const Scene& scene, const FilmSampler& film, const TileLayout& layout, std::size_t index,
+Tile trace_tile(const Scene& scene, const FilmSampler& film, std::vector<Pixel> pixels,
                 const PacketRange& range, RayCounts& counts) {
-  Tile tile = empty_tile(layout, index);
+  Tile tile;
+  tile.pixels = std::move(pixels);
   tile.packets_per_pixel = range.count;
-  for (int y = tile.y0; y < tile.y1; ++y) {
-    for (int x = tile.x0; x < tile.x1; ++x) {
-      for (int k = 0; k < range.count; ++k) {
-        tile.packets.push_back(film.packet(x, y, range.first + k));
-        const CameraPacket& packet = tile.packets.back();
-        tile.points.push_back(
-            scene.intersect(packet.active, film.ray(packet), RayTracer::Coherence::kCoherent));
-        counts.camera += lane_count(packet.active);
-      }
+  for (const Pixel& pixel : tile.pixels) {
+    for (int k = 0; k < range.count; ++k) {
+      tile.packets.push_back(film.packet(pixel.x, pixel.y, range.first + k));
+      const CameraPacket& packet = tile.packets.back();
+      tile.points.push_back(
+          scene.intersect(packet.active, film.ray(packet), RayTracer::Coherence::kCoherent));
+      counts.camera += lane_count(packet.active);
     }
   }
   return tile;
+}
+
+bool sees_edge(const Tile& tile, std::size_t pixel) {
+  const auto count = static_cast<std::size_t>(tile.packets_per_pixel);
+  const SurfacePoint16& first = tile.points[pixel * count];
+  const int lane = first_lane(tile.packets[pixel * count].active);
+  for (std::size_t i = pixel * count; i < (pixel + 1) * count; ++i) {
+    const SurfacePoint16& p = tile.points[i];
+    const I16 differs = (p.hit != first.hit[lane]) | (p.scatters != first.scatters[lane]);
+    const I16 turned = (p.region != first.region[lane]) |
+                       (p.normal.x * first.normal.x[lane] + p.normal.y * first.normal.y[lane] +
+                            p.normal.z * first.normal.z[lane] <
+                        kCosEdgeTurn);
+    if (any(tile.packets[i].active & (differs | (turned & p.hit)))) return true;
+  }
+  return false;
 }
 
 TileRecords::TileRecords(const RadianceCache& cache, const Tile& tile) : cache_(cache), tile_(tile) {

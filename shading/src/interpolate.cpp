@@ -7,9 +7,32 @@
 namespace vrc {
 namespace {
 
+// Squared error of a blend over the spread of what was blended, and over the variance that sixteen batches of
+// each record's rays tell: measured (docs/decisions/011).
+constexpr float kErrorOfSpread = 0.5f, kErrorOfNoise = 0.4f;
+
+/// Of predictions and their weights.
 struct WeightedSum {
   V3x16 radiance{};
   F16 weight{};
+  F16 luminance{}, luminance2{};
+  F16 noise{};  ///< Variances by squared weights.
+
+  void add(const PackedRecord& record, F16 w, const V3x16& value) {
+    radiance += select(w > 0.0f, value * w, V3x16{});
+    weight += w;
+    const F16 y = select(w > 0.0f, vrc::luminance(value), F16{});
+    luminance += w * y;
+    luminance2 += w * y * y;
+    noise += w * w * record.variance;
+  }
+
+  [[nodiscard]] Interpolated16 blend() const {
+    const F16 scale = 1.0f / max(weight, 1e-20f);
+    const F16 mean = luminance * scale;
+    const F16 disagreement = max(luminance2 * scale - mean * mean, 0.0f);
+    return {radiance * scale, kErrorOfSpread * disagreement + kErrorOfNoise * (noise * scale * scale)};
+  }
 };
 
 V3x16 from_harmonics(const PackedRecord& record, const Coverage16& c, int order, PacketResponse& response) {
@@ -31,25 +54,26 @@ WeightedSum blend_records(const TileRecords& records, std::size_t packet, int or
     const Coverage16 limited = {c.a * inward, c.b * inward, c.weight};
     const V3x16 value = record.harmonics != nullptr ? from_harmonics(record, limited, order, response)
                                                     : extrapolate(record, limited, order);
-    sum.radiance += select(c.weight > 0.0f, value * c.weight, V3x16{});
-    sum.weight += c.weight;
+    sum.add(record, c.weight, value);
   });
   return sum;
 }
 
 }  // namespace
 
-V3x16 interpolate(const TileRecords& records, std::size_t packet, int taylor_order, double support) {
+Interpolated16 interpolate(const TileRecords& records, std::size_t packet, int taylor_order, double support) {
   const SurfacePoint16& p = records.tile().points[packet];
-  if (!any(p.scatters)) return V3x16{};
+  if (!any(p.scatters)) return {};
   const V3x16 to_viewer = -records.tile().packets[packet].direction;
   PacketResponse response(records.cache().brdfs().get(), p, to_viewer);
   const WeightedSum near = blend_records(records, packet, taylor_order, support, support, response);
-  V3x16 result = near.radiance * (1.0f / max(near.weight, 1e-20f));
+  Interpolated16 result = near.blend();
   const I16 missed = p.scatters & ~(near.weight > 0.0f);
   if (any(missed)) {
-    const WeightedSum wide = blend_records(records, packet, taylor_order, kWideSupport, support, response);
-    result = select(missed, wide.radiance * (1.0f / max(wide.weight, 1e-20f)), result);
+    const Interpolated16 wide =
+        blend_records(records, packet, taylor_order, kWideSupport, support, response).blend();
+    result.radiance = select(missed, wide.radiance, result.radiance);
+    result.squared_error = select(missed, wide.squared_error, result.squared_error);
   }
   return result;
 }

@@ -78,6 +78,37 @@ TEST_F(RenderCommand, WritesEveryOutputItWasAskedFor) {
   EXPECT_THAT(test::read_file(at("e.ply")), HasSubstr("element face"));
 }
 
+TEST_F(RenderCommand, SaysHowLargeItsErrorIs) {
+  const auto result = run_vrc(render({"-o", at("a.exr"), "--stats", at("a.json")}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("estimated error "));
+  const auto json = nlohmann::json::parse(test::read_file(at("a.json")));
+  EXPECT_EQ(json.at("accepted_error"), 0.3);
+  EXPECT_GT(json.at("relative_error"), 0.0);
+  EXPECT_LT(json.at("relative_error"), 1.0);
+  EXPECT_GT(json.at("hard_pixels"), 0);
+  EXPECT_THAT(read_image(at("a.exr")).channels, testing::Contains("error.Y"));
+}
+
+TEST_F(RenderCommand, ChoosesTheErrorByTheTime) {
+  const auto error_within = [&](const char* seconds) {
+    const auto result = run_vrc(
+        {"render", scene_, "--spp", "2", "-o", at("a.exr"), "--stats", at("a.json"), "--time", seconds});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return nlohmann::json::parse(test::read_file(at("a.json"))).at("accepted_error").get<double>();
+  };
+  EXPECT_LT(error_within("1.5"), error_within("0.01"));
+}
+
+TEST_F(RenderCommand, RefusesATimeBesideOtherWaysToSayHowMuch) {
+  for (const auto& other :
+       {std::array{"--error", "0.1"}, std::array{"--records", "10"}, std::array{"--method", "path"}}) {
+    const auto result = run_vrc({"render", scene_, "-o", at("a.exr"), "--time", "5", other[0], other[1]});
+    EXPECT_EQ(result.exit_code, 2) << other[0];
+    EXPECT_THAT(result.err, testing::AllOf(HasSubstr("--time"), HasSubstr(other[0])));
+  }
+}
+
 TEST_F(RenderCommand, GivesTheSamePixelsAtAnyNumberOfThreads) {
   ASSERT_EQ(run_vrc(render({"-o", at("a.exr"), "--threads", "1"})).exit_code, 0);
   ASSERT_EQ(run_vrc(render({"-o", at("b.exr"), "--threads", "2"})).exit_code, 0);
@@ -122,7 +153,11 @@ TEST_F(RenderCommand, PresetOfThePaperIsItsOptionsSpelledOut) {
                             "--sh-rule",
                             "paper",
                             "--sh-rays",
-                            "uniform"}))
+                            "uniform",
+                            "--supersample-edges",
+                            "off",
+                            "--hard-pixels",
+                            "off"}))
                 .exit_code,
             0);
   const auto paper = read_image(at("paper.exr")).pixels;
@@ -163,7 +198,11 @@ TEST_F(RenderCommand, SingleOptionsWinOverThePresetWhereverTheyStand) {
                                   "--sh-rule",
                                   "auto",
                                   "--sh-rays",
-                                  "auto"}),
+                                  "auto",
+                                  "--supersample-edges",
+                                  "on",
+                                  "--hard-pixels",
+                                  "on"}),
             ours);
 }
 

@@ -43,7 +43,7 @@ std::uint64_t uncovered_samples(const Picture& picture, const RadianceCache& cac
   std::uint64_t uncovered = 0;
   RayCounts counts;
   for (std::size_t i = 0; i < layout.count(); ++i) {
-    const Tile tile = trace_tile(picture.scene, picture.film, layout, i, {0, 1}, counts);
+    const Tile tile = trace_tile(picture.scene, picture.film, pixels_of(layout, i), {0, 1}, counts);
     const TileRecords records(cache, tile);
     for (std::size_t packet = 0; packet < tile.points.size(); ++packet) {
       I16 open = tile.points[packet].scatters;
@@ -155,6 +155,52 @@ TEST(PlaceRecords, SurfaceSamplerKeepsNeighboursApartInTheirOwnMetric) {
   EXPECT_GT(surface[surface.size() / 4], image[image.size() / 4]);
   EXPECT_GT(surface[surface.size() / 10], 0.5);
   EXPECT_LT(surface.size(), image.size());
+}
+
+TEST(RecordPlacer, KeepsItsRecordsWhenTheErrorIsLowered) {
+  const Picture picture("cornell_glossy.xml", 64);
+  const RunControl control;
+  RecordPlacer placer(picture.scene, picture.view, {}, 1, 1, control);
+  placer.cover(0.2);
+  const PlacementResult coarse = placer.snapshot();
+  EXPECT_GT(placer.relative_work(0.02), 8.0);
+  EXPECT_DOUBLE_EQ(placer.relative_work(0.2), 1.0);
+  placer.cover(0.02);
+  const PlacementResult fine = placer.finish();
+  ASSERT_GT(fine.records.size(), 3 * coarse.records.size() / 2);
+  double coarse_noise = 0.0, noise = 0.0;
+  for (std::size_t i = 0; i < coarse.records.size(); ++i) {
+    EXPECT_EQ(fine.records[i].site.key, coarse.records[i].site.key);
+    EXPECT_GE(fine.records[i].rays, coarse.records[i].rays);
+    coarse_noise += coarse.records[i].estimate.variance.value;
+    noise += fine.records[i].estimate.variance.value;
+  }
+  EXPECT_LT(noise, 0.5 * coarse_noise);
+  const RadianceCache cache(fine.charts, fine.records, fine.reaches, fine.brdfs);
+  EXPECT_EQ(uncovered_samples(picture, cache), 0u);
+}
+
+TEST(SeesEdge, TellsPixelsWithSeveralSurfaces) {
+  const Picture picture("half_box.xml", 64);
+  const TileLayout layout = {0, 0, 64, 64};
+  RayCounts counts;
+  std::size_t edges = 0;
+  for (std::size_t i = 0; i < layout.count(); ++i) {
+    const Tile tile = trace_tile(picture.scene, picture.film, pixels_of(layout, i), {0, 1}, counts);
+    for (std::size_t pixel = 0; pixel < tile.pixels.size(); ++pixel) {
+      const SurfacePoint16& p = tile.points[pixel];
+      bool several = false;
+      for (int lane = 1; lane < kLanes; ++lane)
+        several |= p.hit[lane] != p.hit[0] || p.region[lane] != p.region[0];
+      EXPECT_EQ(sees_edge(tile, pixel), several);  // All surfaces are flat.
+      if (several) ++edges;
+    }
+  }
+  EXPECT_GT(edges, 40u);
+  EXPECT_LT(edges, 400u);
+  EXPECT_EQ(further_edge_samples(16), 112);
+  EXPECT_EQ(further_edge_samples(1), 7);
+  EXPECT_EQ(further_edge_samples(200), 0);
 }
 
 TEST(PlaceRecords, StopsWhenItIsAskedTo) {

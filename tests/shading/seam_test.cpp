@@ -88,7 +88,7 @@ void expect_no_seams(const SceneDescription& description, std::size_t surface, i
   int compared = 0;
   for (const SeamPoint& seam : seam_points(cache.charts(), surface)) {
     const Tile tile = tile_of(seam, camera.origin);
-    const V3x16 radiance = interpolate(TileRecords(cache, tile), 0, 2);
+    const V3x16 radiance = interpolate(TileRecords(cache, tile), 0, 2).radiance;
     const double scale = static_cast<double>(std::max(radiance.y[0], radiance.y[1]));
     if (!(scale > 0.0)) continue;
     ++compared;

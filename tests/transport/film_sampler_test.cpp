@@ -68,6 +68,19 @@ TEST(FilmSampler, CountsSamplesExactly) {
   }
 }
 
+TEST(FilmSampler, FurtherSamplesContinueTheSequence) {
+  const FilmSampler few(camera(), {}, 16, 1), many(camera(), {}, 48, 1);
+  const FilmSampler further = few.further(32);
+  EXPECT_EQ(further.packets_per_pixel(), 2);
+  for (int number = 0; number < 2; ++number) {
+    const CameraPacket a = further.packet(3, 4, number), b = many.packet(3, 4, number + 1);
+    for (int i = 0; i < kLanes; ++i) {
+      EXPECT_EQ(a.sample_index[i], b.sample_index[i]);
+      EXPECT_EQ(lane(a.direction, i), lane(b.direction, i));
+    }
+  }
+}
+
 TEST(FilmSampler, PixelsAndSeedsDiffer) {
   const FilmSampler one(camera(), {}, 16, 1), two(camera(), {}, 16, 2);
   EXPECT_NE(one.packet(3, 4, 0).pixel_seed[0], one.packet(4, 3, 0).pixel_seed[0]);

@@ -15,11 +15,18 @@ FilmSampler::FilmSampler(const Camera& camera, const FilmDescription& film, int 
   step_y_ = splat3(Vec3(camera.direction(0.0, 1.0) - corner));
 }
 
+FilmSampler FilmSampler::further(int count) const {
+  FilmSampler result = *this;
+  result.first_sample_ += samples_per_pixel_;
+  result.samples_per_pixel_ = count;
+  return result;
+}
+
 CameraPacket FilmSampler::packet(int x, int y, int number) const {
   CameraPacket p;
   const I16 index = lane_index() + number * kLanes;
   p.active = index < samples_per_pixel_;
-  p.sample_index = std::bit_cast<U16>(index);
+  p.sample_index = std::bit_cast<U16>(index + first_sample_);
   p.pixel_seed = splat(static_cast<std::uint32_t>(
       hash(seed_, 0xf11au, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y))));
   const Sample4 u = padded_sobol(p.sample_index, p.pixel_seed);

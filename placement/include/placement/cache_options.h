@@ -78,7 +78,9 @@ struct CacheOptions {
   int harmonics_order = 0;     ///< Of spherical harmonics; 0 chooses by each material's own lobes.
   double blend_support = 1.4;  ///< Regions are blended up to this multiple of their radii; 1: [Zhao eq. 13].
   bool guided = true;          ///< Records send their rays where their neighbours' rays found light.
-  bool joint_fit = true;       ///< Refine records by their neighbours' values, weighted by noise.
+  bool supersample_edges = true;  ///< Pixels whose samples see different surfaces get more of them.
+  bool hard_pixels = true;        ///< Pixels that records show badly are gathered again.
+  bool joint_fit = true;          ///< Refine records by their neighbours' values, weighted by noise.
 
   [[nodiscard]] bool sends_guided_rays() const { return guided && !occlusion_aware; }
 };

@@ -22,13 +22,13 @@ class PixelGatherer {
   PixelGatherer(const Scene& scene, const GuideField& guides, int bounces, std::uint64_t seed)
       : scene_(scene), guides_(guides), bounces_(bounces), seed_(seed) {}
 
-  /// What was prepared for the surfaces of one pixel, for all its packets.
+  /// What was prepared for the surfaces that pixels of a tile show, for their neighbours.
   class Surfaces {
    private:
     friend class PixelGatherer;
     struct Kind {
       std::int32_t material;
-      Vec3 normal;
+      Vec3 position, normal;
       std::unique_ptr<const GuideWarp> warp;  ///< Null: no record near it.
     };
     std::vector<Kind> kinds_;
@@ -37,8 +37,8 @@ class PixelGatherer {
   /// Sum over the lanes that scatter of their outgoing radiance towards the camera, by 2^log2_rays rays for
   /// all of them together, at least kFewestLog2PixelRays. Unbiased; gathers of different keys are
   /// independent.
-  [[nodiscard]] std::array<double, 3> gather(const SurfacePoint16& points, int log2_rays, std::uint64_t key,
-                                             Surfaces& surfaces, RayCounts& counts) const;
+  [[nodiscard]] std::array<double, 3> gather(std::span<const SurfacePoint16> points, int log2_rays,
+                                             std::uint64_t key, Surfaces& surfaces, RayCounts& counts) const;
 
  private:
   [[nodiscard]] const GuideWarp* warp_for(const RecordSite& site, Surfaces& surfaces) const;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <memory>
+
 #include "core/run_control.h"
 #include "core/timing.h"
 #include "placement/cache_options.h"
@@ -18,7 +20,7 @@ struct PlacementView {
 /// What a placement learns from the picture before it makes records.
 struct PictureScale {
   double mean_luminance = 0.0;  ///< Of the indirect light.
-  int log2_rays = 0;            ///< Of each record.
+  double log2_rays = 0.0;       ///< Of records, of which each has one of the powers of two beside it.
 };
 
 /// The records of earlier frames, which show what they can of the next one. They must serve any camera:
@@ -50,6 +52,34 @@ inline constexpr double kWideSupport = 3.0;
 [[nodiscard]] PlacementResult place_records(const Scene& scene, const PlacementView& view,
                                             const CacheOptions& options, int bounces, std::uint64_t seed,
                                             const RunControl& control, const EarlierFrames& earlier = {});
+
+/// The same step by step, for those who watch the time.
+class RecordPlacer {
+ public:
+  /// All must outlive it but the options.
+  RecordPlacer(const Scene& scene, const PlacementView& view, const CacheOptions& options, int bounces,
+               std::uint64_t seed, const RunControl& control, const EarlierFrames& earlier = {});
+  ~RecordPlacer();
+  RecordPlacer(const RecordPlacer&) = delete;
+  RecordPlacer& operator=(const RecordPlacer&) = delete;
+
+  /// Covers every visible point with records for this accepted error, or with the options' number of them.
+  /// The records there are stay; if the error is lower than before, they get the rays that it asks for beside
+  /// their own.
+  void cover(double error);
+  /// About the work for records of this accepted error over that for those there are.
+  [[nodiscard]] double relative_work(double error) const;
+  /// That were sent so far.
+  [[nodiscard]] std::uint64_t gather_rays() const;
+  /// What there is, as it can be shaded, every sample covered or not; covering may go on.
+  [[nodiscard]] PlacementResult snapshot() const;
+  /// What there is, every sample covered, all refined. Only once.
+  [[nodiscard]] PlacementResult finish();
+
+ private:
+  class Placement;
+  std::unique_ptr<Placement> placement_;
+};
 
 /// Rays of a gather for a wish for at least `rays`, as a power of two: GatherOptions::log2_rays.
 [[nodiscard]] int log2_rays_for(int rays);

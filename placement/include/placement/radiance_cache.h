@@ -26,6 +26,7 @@ struct PackedRecord {
   const IncidentHarmonics* harmonics = nullptr;  ///< If the record uses them; what they need beside:
   float in_frame[2][2];                          ///< The half axes in the frame of their derivatives.
   float gradient_factor, hessian_factor;
+  float variance;  ///< Of the gathered luminance.
 };
 
 [[nodiscard]] PackedRecord pack(const RadianceRecord& record);

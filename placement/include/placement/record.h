@@ -47,6 +47,7 @@ struct RadianceRecord {
   RadianceEstimate estimate;     ///< As gathered; never changed afterwards.
   std::array<Jet2, 3> radiance;  ///< What is interpolated: limited and fitted. In the site's frame.
   ValidRegion region;
+  std::uint64_t rays = 0;  ///< Whose mean `estimate` is.
   SiteCurvature curvature;
   /// Null until they are asked for; used when `harmonics_reason` says so.
   std::shared_ptr<const RecordHarmonics> harmonics;

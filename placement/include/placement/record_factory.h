@@ -31,10 +31,20 @@ class RecordFactory {
                                     const NoiseGoal& goal, RayCounts& counts,
                                     const GuideField* guides = nullptr) const;
 
+  /// Adds 2^log2_rays rays to those of a record that was made here: the estimate becomes the mean of all of
+  /// them. Not for records that hold harmonics alone. Of a hybrid cache, harmonics are forgotten.
+  void add_rays(RadianceRecord& record, const GatherOptions& gather, int log2_rays, RayCounts& counts) const;
+
   /// Gives the record its region, decides by the rule of a hybrid cache whether it is to hold spherical
   /// harmonics and gathers them when it does so for the first time.
   void shape(RadianceRecord& record, const RegionRule& rule, const GatherOptions& gather,
              RayCounts& counts) const;
+
+  /// Whether records hold nothing else.
+  [[nodiscard]] bool holds_only_harmonics() const {
+    return options_.representation == Representation::kHarmonics ||
+           options_.representation == Representation::kIrradiance;
+  }
 
  private:
   [[nodiscard]] std::shared_ptr<const RecordHarmonics> gather_harmonics(const RecordSite& site,

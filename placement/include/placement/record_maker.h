@@ -61,7 +61,8 @@ inline constexpr double kVarianceConvergence = 1.1;  ///< Variance falls as rays
 inline constexpr int kFewestLog2Rays = 10;
 inline constexpr int kMostLog2Rays = 16;
 
-/// log2 of the rays that bring a deviation measured with 2^log2_rays down to a wanted one.
-[[nodiscard]] int log2_rays_for(int log2_rays, double deviation, double wanted);
+/// log2 of the rays that bring a deviation measured with 2^log2_rays down to a wanted one, within
+/// [kFewestLog2Rays, kMostLog2Rays].
+[[nodiscard]] double log2_rays_for(double log2_rays, double deviation, double wanted);
 
 }  // namespace vrc

@@ -18,10 +18,14 @@ struct PacketRange {
 };
 inline constexpr int kPacketsAtOnce = 4;
 
-/// The camera samples of a square of pixels: packet k of the range of pixel p is entry
+struct Pixel {
+  int x = 0, y = 0;
+};
+
+/// The camera samples of pixels that lie together: packet k of the range of pixel p is entry
 /// p * packets_per_pixel + k.
 struct Tile {
-  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  std::vector<Pixel> pixels;
   int packets_per_pixel = 1;  ///< In this tile: the length of its range.
   std::vector<CameraPacket> packets;
   std::vector<SurfacePoint16> points;  ///< Parallel to `packets`.
@@ -38,17 +42,52 @@ struct TileLayout {
   }
 };
 
-/// Pixels of tile `index`, without samples.
-[[nodiscard]] Tile empty_tile(const TileLayout& layout, std::size_t index);
-/// Traces the camera rays of tile `index`.
-[[nodiscard]] Tile trace_tile(const Scene& scene, const FilmSampler& film, const TileLayout& layout,
-                              std::size_t index, const PacketRange& range, RayCounts& counts);
+/// Those of tile `index`, row by row.
+[[nodiscard]] std::vector<Pixel> pixels_of(const TileLayout& layout, std::size_t index);
+/// Traces the camera rays of pixels.
+[[nodiscard]] Tile trace_tile(const Scene& scene, const FilmSampler& film, std::vector<Pixel> pixels,
+                              const PacketRange& range, RayCounts& counts);
 /// Calls body(range) for runs of at most kPacketsAtOnce packets that make up all of a pixel's.
 template <typename Body>
 void for_each_range(const FilmSampler& film, const Body& body) {
   for (int first = 0; first < film.packets_per_pixel(); first += kPacketsAtOnce) {
     body(PacketRange{first, std::min(kPacketsAtOnce, film.packets_per_pixel() - first)});
   }
+}
+
+/// Whether the samples of pixel `pixel` of a tile see different smooth regions of surfaces, or one that turns
+/// by more than kEdgeTurn, or miss some.
+[[nodiscard]] bool sees_edge(const Tile& tile, std::size_t pixel);
+inline constexpr float kCosEdgeTurn = 0.9f;
+
+inline constexpr int kMostEdgeSamples = 128;
+/// Camera samples that pixels with edges get beyond the others' `samples`: eight times as many in all, but
+/// not more than kMostEdgeSamples in all.
+[[nodiscard]] inline int further_edge_samples(int samples) {
+  return std::max(0, std::min(8 * samples, kMostEdgeSamples) - samples);
+}
+/// Calls body(tile) for the packets of all pixels of a tile, and with `supersample_edges` then for the
+/// further ones of those that see one. Returns which do.
+template <typename Body>
+std::vector<Pixel> for_each_traced(const Scene& scene, const FilmSampler& film, std::vector<Pixel> pixels,
+                                   bool supersample_edges, RayCounts& counts, const Body& body) {
+  std::vector<Pixel> edges;
+  for_each_range(film, [&](const PacketRange& range) {
+    const Tile tile = trace_tile(scene, film, pixels, range, counts);
+    if (range.first == 0) {
+      for (std::size_t i = 0; i < pixels.size(); ++i) {
+        if (sees_edge(tile, i)) edges.push_back(pixels[i]);
+      }
+    }
+    body(tile);
+  });
+  const int further = further_edge_samples(film.samples_per_pixel());
+  if (supersample_edges && !edges.empty() && further > 0) {
+    const FilmSampler finer = film.further(further);
+    for_each_range(finer,
+                   [&](const PacketRange& range) { body(trace_tile(scene, finer, edges, range, counts)); });
+  }
+  return edges;
 }
 
 /// Finds the records that reach the points of a tile. Cache and tile must outlive it.

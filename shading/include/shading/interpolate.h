@@ -6,10 +6,16 @@
 
 namespace vrc {
 
+/// What records say about sixteen points. All 0 where none applies.
+struct Interpolated16 {
+  V3x16 radiance{};  ///< Outgoing.
+  /// Of its luminance, estimated from how far the blended records disagree and how noisy they are.
+  F16 squared_error{};
+};
+
 /// Outgoing radiance at the points of packet `packet` of the tile from the records around them [Zhao
-/// eq. 13]: regions widened by `support`, points that none reaches by kWideSupport; 0 where nothing
-/// applies.
-[[nodiscard]] V3x16 interpolate(const TileRecords& records, std::size_t packet, int taylor_order,
-                                double support = CacheOptions{}.blend_support);
+/// eq. 13]: regions widened by `support`, points that none reaches by kWideSupport.
+[[nodiscard]] Interpolated16 interpolate(const TileRecords& records, std::size_t packet, int taylor_order,
+                                         double support = CacheOptions{}.blend_support);
 
 }  // namespace vrc

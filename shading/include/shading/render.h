@@ -34,6 +34,9 @@ struct RenderOptions {
   /// of its samples, at least 256 from each sixteen, rounded up to a power of two; 0: a path from each
   /// sample.
   int path_rays = 0;
+  /// With Method::kCache: > 0 is the wall-clock time to take, in the place of the cache's `error`. The clock
+  /// then decides what is rendered: pictures differ from run to run.
+  double seconds = 0.0;
   bool aovs = false;  ///< Adds the layers albedo, N and depth.
   bool shade = true;  ///< false: records are placed, the picture stays black.
   CacheOptions cache;
@@ -46,8 +49,11 @@ struct RenderStats {
   std::uint64_t gather_rays = 0;   ///< Rays from records to find their surroundings.
   std::uint64_t shadow_rays = 0;
   std::uint64_t camera_rays = 0;
-  std::uint64_t other_rays = 0;  ///< Bounces of paths.
-  bool unfinished = false;       ///< Interrupted: the picture holds what there was.
+  std::uint64_t other_rays = 0;   ///< Bounces of paths.
+  std::uint64_t hard_pixels = 0;  ///< Gathered again, as records show them badly.
+  double error = 0.0;             ///< Accepted: that of the options, or what their time was enough for.
+  double relative_error = 0.0;    ///< Estimated, of the indirect light: HardPixels.
+  bool unfinished = false;        ///< Interrupted: the picture holds what there was.
 };
 
 /// The picture with channels R, G, B (the chosen component), then direct.{R,G,B} and
@@ -59,8 +65,8 @@ struct RenderResult {
   PictureScale scale;                  ///< Likewise.
 };
 
-/// Same bytes for the same scene, options and seed, at any thread count. `earlier` frames of a fly-through
-/// through the same scene leave their records.
+/// Same bytes for the same scene, options and seed, at any thread count, unless `seconds` are given.
+/// `earlier` frames of a fly-through through the same scene leave their records.
 [[nodiscard]] RenderResult render(const Scene& scene, const RenderOptions& options,
                                   const RunControl& control = {}, const EarlierFrames& earlier = {});
 

@@ -24,6 +24,8 @@ class FilmSampler {
   [[nodiscard]] int packets_per_pixel() const { return (samples_per_pixel_ + kLanes - 1) / kLanes; }
   [[nodiscard]] int samples_per_pixel() const { return samples_per_pixel_; }
   [[nodiscard]] CameraPacket packet(int x, int y, int number) const;
+  /// The `count` samples of each pixel that come after these.
+  [[nodiscard]] FilmSampler further(int count) const;
   /// Ray from the camera along a packet's directions.
   [[nodiscard]] Ray16 ray(const CameraPacket& packet) const {
     return {origin_, packet.direction, splat(1e17f)};
@@ -32,6 +34,7 @@ class FilmSampler {
  private:
   V3x16 origin_, corner_, step_x_, step_y_;  // direction = corner + x step_x + y step_y
   FilmDescription film_;
+  int first_sample_ = 0;
   int samples_per_pixel_;
   std::uint64_t seed_;
 };

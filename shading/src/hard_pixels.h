@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/image.h"
+#include "core/run_control.h"
+#include "core/timing.h"
+#include "pixel_facts.h"
+#include "placement/pixel_gather.h"
+#include "placement/tile.h"
+
+namespace vrc {
+
+struct HardPixelOptions {
+  double error = 0.03;          ///< Accepted relative error.
+  double mean_luminance = 1.0;  ///< Of the picture's indirect light.
+  double seconds = 0.0;         ///< > 0: wall-clock time to fill, instead of all hard pixels.
+  bool supersample_edges = true;
+  int bounces = 1;
+  std::uint64_t seed = 0;
+};
+
+/// Gathers again at the pixels whose records disagree or that see an edge, from the points of their own
+/// samples, and blends the result with what the records say by the errors of both. Gathers at one random
+/// pixel of each tile tell how well the errors of all others are estimated.
+class HardPixels {
+ public:
+  /// All must outlive it. `facts` are those of the film's pixels, row by row.
+  HardPixels(const Scene& scene, const FilmSampler& film, const RadianceCache& cache,
+             std::span<PixelFacts> facts, const HardPixelOptions& options);
+
+  /// Gather rays of a pixel for an accepted error.
+  [[nodiscard]] static double rays_per_pixel(double error);
+
+  /// Channels `first` to first + 2 of the image hold the indirect light. Sets `squared_error` of the facts of
+  /// all pixels of the layout to what is left.
+  void refine(Image& image, int first, const TileLayout& layout, const RunControl& control,
+              RayCounts& counts);
+
+  /// Pixels that were gathered again.
+  [[nodiscard]] std::size_t count() const { return count_; }
+  /// Of the picture's indirect luminance: estimated root of the mean of squared error / `perceived` squared
+  /// over the pixels that show some.
+  [[nodiscard]] double relative_error() const { return relative_error_; }
+
+ private:
+  struct Sampled {
+    Pixel pixel;
+    std::size_t tile;
+    bool hard;                  ///< false: of the survey alone.
+    std::array<Rgb, 2> halves;  ///< Indirect light by gathers of independent rays.
+    /// Relative to `perceived`: product of the halves' differences to the records' luminance, and the squared
+    /// error of the halves' mean.
+    float bias = 0.0f, noise = 0.0f;
+  };
+  /// The relative squared errors P of the records and V of the gathers around a pixel.
+  struct Errors {
+    float bias = 0.0f, noise = 0.0f;
+  };
+
+  [[nodiscard]] float accepted() const;  ///< Relative squared error up to which pixels are not hard.
+  [[nodiscard]] bool is_hard(const PixelFacts& facts) const;
+  [[nodiscard]] std::vector<Sampled> survey(const TileLayout& layout) const;
+  /// All hard pixels or, where time is to be filled, all pixels, the hardest first; without those gathered so
+  /// far.
+  [[nodiscard]] std::vector<Sampled> candidates(const TileLayout& layout) const;
+  void gather_hard(const TileLayout& layout, const PhaseTimer& timer, const RunControl& control,
+                   RayCounts& counts);
+  /// Gathers at the chosen pixels and adds them to `sampled_`.
+  void gather(std::vector<Sampled> chosen, const RunControl& control, RayCounts& counts);
+  void gather_in_tile(std::span<Sampled> chosen, RayCounts& counts) const;
+  void calibrate(const TileLayout& layout);
+  void blend(Image& image, int first);
+  [[nodiscard]] Errors errors_around(const Sampled& s) const;
+  void sum_up(const TileLayout& layout);
+  [[nodiscard]] std::size_t index_of(const Pixel& p) const;
+  [[nodiscard]] float scale_of(const PixelFacts& facts) const;           ///< `perceived` luminance.
+  [[nodiscard]] float relative_error_of(const PixelFacts& facts) const;  ///< Squared.
+
+  const Scene& scene_;
+  const FilmSampler& film_;
+  std::span<PixelFacts> facts_;
+  HardPixelOptions options_;
+  GuideField guides_;
+  PixelGatherer gatherer_;
+  std::vector<Sampled> sampled_;
+  std::vector<std::int32_t> sampled_at_;  ///< Per pixel of the film: its entry, or -1.
+  std::size_t count_ = 0;                 // of hard ones
+  double relative_error_ = 0.0;
+};
+
+}  // namespace vrc

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cmath>
+
+#include "shading/interpolate.h"
+#include "transport/film_sampler.h"
+
+namespace vrc {
+
+/// What shading finds out about a pixel beside its light.
+struct PixelFacts {
+  int samples = 0;
+  bool sees_edge = false;
+  // Of indirect light: sums over the samples, and means after `finish`.
+  float luminance = 0.0f, luminance2 = 0.0f;
+  float squared_error = 0.0f;  ///< Of the luminance; before `finish` Interpolated16::squared_error.
+  // Of the first sample that scatters; region -1: there is none.
+  std::int32_t region = -1;
+  Vec3f normal = Vec3f::Zero(), position = Vec3f::Zero();
+
+  void add(const SurfacePoint16& points, const Interpolated16& light) {
+    const auto sum = [&](F16 v) { return lane_sum(select(points.scatters, v, F16{})); };
+    const F16 y = vrc::luminance(light.radiance);
+    luminance += sum(y);
+    luminance2 += sum(y * y);
+    squared_error += sum(light.squared_error);
+  }
+  void add(const CameraPacket& packet, const SurfacePoint16& points) {
+    samples += static_cast<int>(lane_count(packet.active));
+    if (region >= 0 || !any(points.scatters)) return;
+    const int i = first_lane(points.scatters);
+    region = points.region[i];
+    normal = Vec3f(points.normal.x[i], points.normal.y[i], points.normal.z[i]);
+    position = Vec3f(points.position.x[i], points.position.y[i], points.position.z[i]);
+  }
+  void finish() {
+    const float scale = 1.0f / static_cast<float>(std::max(samples, 1));
+    for (float* sum : {&luminance, &luminance2, &squared_error}) *sum *= scale;
+    // The records' predictions err together over a pixel; its samples lie in a net.
+    const float spread = std::max(luminance2 - luminance * luminance, 0.0f);
+    squared_error += kErrorOfNet * spread * std::pow(scale, kNetConvergence);
+  }
+  static constexpr float kErrorOfNet = 0.3f, kNetConvergence = 1.5f;
+};
+
+}  // namespace vrc

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "time_budget.h"
+
+#include <algorithm>
+
+#include "hard_pixels.h"
+
+namespace vrc {
+namespace {
+
+constexpr double kFirstError = 0.2, kLeastError = 1e-4;
+constexpr double kSlack = 0.05;          // of the time, for what takes longer than planned
+constexpr double kFinishing = 2.0;       // making a cache of the records and shading, over shading alone
+constexpr double kCostOfPixelRay = 1.5;  // time of a hard pixel's ray over that of a record's
+// A round that would take more than this, over the time so far, is halved.
+constexpr double kHalvedRound = 0.5;
+// By how much a round may lower the error, what is not worth one, and how finely that is sought.
+constexpr double kLargestStep = 2.0, kSmallestStep = 1.02, kStep = 1.01;
+
+}  // namespace
+
+double cover_within_time(RecordPlacer& placer, double seconds, const PhaseTimer& clock,
+                         const RunControl& control, const std::function<WorkAfterRecords()>& measure) {
+  double error = kFirstError;
+  placer.cover(error);
+  double per_work = clock.elapsed().seconds;  // seconds for as much work as the first round was
+  double work = 1.0;
+  const WorkAfterRecords after = measure();
+  while (!control.stopped() && error > kLeastError) {
+    const double now = clock.elapsed().seconds;
+    const double per_ray = now / static_cast<double>(std::max<std::uint64_t>(placer.gather_rays(), 1));
+    const auto left_with = [&](double e) {
+      return (1.0 - kSlack) * seconds - now - kFinishing * after.shading_seconds -
+             after.hard_pixels * HardPixels::rays_per_pixel(e) * kCostOfPixelRay * per_ray;
+    };
+    // Half of what is left, unless that is little: what a step costs is known better afterwards.
+    const double share = left_with(error) > kHalvedRound * now ? 0.5 : 1.0;
+    const auto fits = [&](double e) {
+      return per_work * work * (placer.relative_work(e) - 1.0) < share * left_with(e);
+    };
+    double step = 1.0;
+    while (step < kLargestStep && fits(error / (step * kStep))) step *= kStep;
+    if (step < kSmallestStep) break;
+    error /= step;
+    const double factor = placer.relative_work(error);
+    placer.cover(error);
+    per_work = (clock.elapsed().seconds - now) / (work * (factor - 1.0));
+    work *= factor;
+  }
+  return error;
+}
+
+}  // namespace vrc
