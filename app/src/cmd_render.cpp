@@ -65,9 +65,10 @@ ImageMetadata metadata_of(const RunReport& report) {
   return metadata;
 }
 
-void write_picture(const fs::path& path, const Image& image, double exposure, const RunReport& report) {
+void write_picture(const fs::path& path, const Image& image, const Display& display,
+                   const RunReport& report) {
   if (path.extension() == ".png" || path.extension() == ".PNG") {
-    write_png(path, image, exposure);
+    write_png(path, image, display);
   } else {
     write_exr(path, image, metadata_of(report));
   }
@@ -87,7 +88,7 @@ int run_render(const RenderArguments& arguments, const std::string& command_line
   const PhaseTimer writing("write files");
   OutputErrors errors;
   for (const fs::path& path : arguments.images) {
-    errors.attempt([&] { write_picture(path, image, arguments.exposure, run.report); });
+    errors.attempt([&] { write_picture(path, image, arguments.display, run.report); });
   }
   write_record_files(arguments, run.result, errors);
   errors.rethrow_first();
@@ -109,7 +110,7 @@ int run_fly_through(const RenderArguments& arguments, const std::string& command
     OutputErrors errors;
     for (const fs::path& path : arguments.images) {
       errors.attempt(
-          [&] { write_picture(frame_path(path, frame), run.result.image, arguments.exposure, run.report); });
+          [&] { write_picture(frame_path(path, frame), run.result.image, arguments.display, run.report); });
     }
     errors.rethrow_first();
     reports.push_back(run.report);

@@ -25,6 +25,7 @@ Examples:
   vrc compare box.exr reference.exr
   vrc inspect bunny.ply
   vrc curvature bunny.ply -o curvature.png
+  vrc plot bench.json -o bench.svg
 
 "vrc COMMAND --help" explains one command.
 Exit codes: 0 done; 1 internal error, or a comparison met values that are not finite;
@@ -81,6 +82,7 @@ int parse_and_run(int argc, const char* const* argv) {
       {"inspect", add_inspect_command(program)},
       {"curvature", add_curvature_command(program)},
       {"charts", add_charts_command(program)},
+      {"plot", add_plot_command(program)},
   };
   try {
     program.parse(argc, argv);

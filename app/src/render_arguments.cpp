@@ -2,6 +2,7 @@
 #include "render_arguments.h"
 
 #include "cli_values.h"
+#include "display_arguments.h"
 #include "placement/presets.h"
 
 namespace vrc {
@@ -48,12 +49,6 @@ void declare_stats(CLI::App& command, RenderArguments& arguments) {
   add_output_file(command, "--stats", arguments.stats, "Write times, counts and settings as JSON");
 }
 
-void declare_exposure(CLI::App& command, RenderArguments& arguments) {
-  add_number(command, "--exposure", arguments.exposure, NumberRange<double>{-64.0, 64.0},
-             "Powers of two that PNG files are brightened by")
-      ->group("Output");
-}
-
 void declare_record_outputs(CLI::App& command, RenderArguments& arguments) {
   add_output_files(command, "-o,--output", arguments.record_maps,
                    "Record map to write: points as .ply, .vtp or .csv; may be repeated");
@@ -61,7 +56,7 @@ void declare_record_outputs(CLI::App& command, RenderArguments& arguments) {
                   "Write the records' ellipses on the surface as a mesh, .ply or .vtp");
   add_output_file(command, "--overlay", arguments.record_overlay, kOverlayHelp);
   declare_stats(command, arguments);
-  declare_exposure(command, arguments);
+  declare_display(command, arguments.display, "PNG files are", "Output");
 }
 
 void declare_outputs(CLI::App& command, RenderArguments& arguments) {
@@ -80,7 +75,7 @@ void declare_outputs(CLI::App& command, RenderArguments& arguments) {
   declare_stats(command, arguments);
   add_output_file(command, "--reference", arguments.reference,
                   "Print the relMSE of R, G, B against this picture");
-  declare_exposure(command, arguments);
+  declare_display(command, arguments.display, "PNG files are", "Output");
   add_value(
       command, "--camera-path", "FILE",
       "Render a frame for each line 'ox oy oz tx ty tz [ux uy uz]' of this file (origin, target, up) from "

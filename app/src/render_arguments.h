@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "io/display.h"
 #include "placement/baselines.h"
 #include "scene_arguments.h"
 
@@ -22,7 +23,7 @@ struct RenderArguments : SceneArguments {
   std::optional<std::filesystem::path> record_ellipses, record_overlay, stats;
   std::optional<std::filesystem::path> reference;
   std::optional<std::filesystem::path> camera_path;  ///< Renders a picture for each of its cameras.
-  double exposure = 0.0;                             ///< Of PNG files, in powers of two.
+  Display display;                                   ///< Of PNG files.
 };
 
 /// Declare the options of the command on `command`; parsing fills `arguments`, which must live as

@@ -17,11 +17,9 @@ namespace vrc {
 namespace {
 
 /// Without a cache, the picture alone.
-void write_overlay(const std::filesystem::path& path, const RenderResult& result, double exposure) {
-  if (!result.cache) return write_png(path, result.image, exposure);
-  RecordOverlayOptions options;
-  options.exposure = exposure;
-  write_png(path, draw_record_overlay(result.image, *result.cache, options));
+void write_overlay(const std::filesystem::path& path, const RenderResult& result, const Display& display) {
+  if (!result.cache) return write_png(path, result.image, display);
+  write_png(path, draw_record_overlay(displayed(result.image, display), *result.cache));
 }
 
 /// Reads the scene and starts the report. The scene is not const: a fly-through moves its camera.
@@ -134,7 +132,7 @@ void write_record_files(const RenderArguments& arguments, const RenderResult& re
     }
   }
   if (arguments.record_overlay) {
-    errors.attempt([&] { write_overlay(*arguments.record_overlay, result, arguments.exposure); });
+    errors.attempt([&] { write_overlay(*arguments.record_overlay, result, arguments.display); });
   }
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace vrc {
@@ -124,6 +125,19 @@ Image relative_error_map(const Image& image, const Image& reference, std::string
         finite ? static_cast<float>(std::sqrt(sum / 3.0)) : std::numeric_limits<float>::quiet_NaN();
   }
   return map;
+}
+
+std::vector<double> percentiles(const Image& image, std::span<const double> shares) {
+  std::vector<float> values;
+  std::ranges::copy_if(image.pixels, std::back_inserter(values), [](float v) { return std::isfinite(v); });
+  std::ranges::sort(values);
+  std::vector<double> result;
+  for (const double share : shares) {
+    const double rank = std::clamp(share, 0.0, 1.0) * static_cast<double>(values.size());
+    const auto index = static_cast<std::size_t>(std::max(std::ceil(rank) - 1.0, 0.0));
+    result.push_back(values.empty() ? 0.0 : static_cast<double>(values[index]));
+  }
+  return result;
 }
 
 Image mean_rgb(const Image& first, const Image& second, std::string_view layer) {

@@ -38,17 +38,11 @@ OIIO::ImageSpec make_spec(const Image& image, std::size_t channels, const OIIO::
   return {image.width, image.height, static_cast<int>(channels), type};
 }
 
-std::size_t channel_or(const Image& image, const std::string& name, std::size_t fallback) {
-  const auto found = std::find(image.channels.begin(), image.channels.end(), name);
-  if (found != image.channels.end()) return static_cast<std::size_t>(found - image.channels.begin());
-  return std::min(fallback, image.channels.size() - 1);
-}
-
-/// Infinities clamp like any large value; NaN has no brightness, so it gets a colour that shows.
-std::array<std::uint8_t, 3> encode_pixel(const std::array<float, 3>& linear, float scale) {
-  if (std::any_of(linear.begin(), linear.end(), [](float v) { return std::isnan(v); })) return kNanColor;
+/// NaN has no brightness, so it gets a colour that shows.
+std::array<std::uint8_t, 3> encode_pixel(const float* linear) {
+  if (std::any_of(linear, linear + 3, [](float v) { return std::isnan(v); })) return kNanColor;
   std::array<std::uint8_t, 3> encoded{};
-  for (std::size_t c = 0; c < 3; ++c) encoded[c] = quantize8(srgb_from_linear(linear[c] * scale));
+  for (std::size_t c = 0; c < 3; ++c) encoded[c] = quantize8(srgb_from_linear(linear[c]));
   return encoded;
 }
 
@@ -73,17 +67,14 @@ void write_exr(const fs::path& path, const Image& image, const ImageMetadata& me
   write_pixels(path, spec, OIIO::TypeDesc::FLOAT, image.pixels.data());
 }
 
-void write_png(const fs::path& path, const Image& image, double exposure) {
+void write_png(const fs::path& path, const Image& image, const Display& display) {
   OIIO::ImageSpec spec = make_spec(image, image.channels.empty() ? 0 : 3, OIIO::TypeDesc::UINT8);
   spec.attribute("oiio:ColorSpace", "sRGB");
-  const std::array<std::size_t, 3> rgb{channel_or(image, "R", 0), channel_or(image, "G", 1),
-                                       channel_or(image, "B", 2)};
-  const auto scale = static_cast<float>(std::exp2(exposure));
+  const Image shown = displayed(image, display);
   std::vector<std::uint8_t> bytes;
   bytes.reserve(image.pixel_count() * 3);
-  for (std::size_t p = 0; p < image.pixel_count(); ++p) {
-    const float* values = image.pixels.data() + p * image.channels.size();
-    const auto encoded = encode_pixel({values[rgb[0]], values[rgb[1]], values[rgb[2]]}, scale);
+  for (std::size_t p = 0; p < shown.pixel_count(); ++p) {
+    const auto encoded = encode_pixel(shown.pixels.data() + 3 * p);
     bytes.insert(bytes.end(), encoded.begin(), encoded.end());
   }
   write_pixels(path, spec, OIIO::TypeDesc::UINT8, bytes.data());

@@ -84,7 +84,6 @@ class RecordPlacer::Placement {
     const double records = std::pow(threshold(options_.error) / threshold(error), kCountPower);
     return records * mean_rays(log2_rays_for_noise(error)) / mean_rays(log2_rays_);
   }
-  [[nodiscard]] std::uint64_t gather_rays() const { return result_.counts.gather; }
 
   [[nodiscard]] PlacementResult snapshot() const {
     PlacementResult copy = result_;
@@ -240,18 +239,23 @@ class RecordPlacer::Placement {
     return options;
   }
 
-  /// Gives all records, which were made with 2^before rays, as many as new ones have.
+  /// Gives all records, which were made with 2^before rays, as many as new ones have. Those of the first
+  /// round, whose rays had little to guide them, get other ones.
   void add_rays(double before) {
     if (factory_.holds_only_harmonics()) return;
+    badly_guided_.resize(result_.records.size(),
+                         badly_guided_.empty() && options_.sends_guided_rays() ? 1 : 0);
     std::vector<RayCounts> counts(result_.records.size());
     parallel_for(counts.size(), [&](std::size_t i) {
       RadianceRecord& record = result_.records[i];
       const int doublings = log2_rays_at(record.site, log2_rays_) - log2_rays_at(record.site, before);
-      if (doublings == 0) return;
-      const double wanted = static_cast<double>(record.rays) * (std::exp2(doublings) - 1.0);
-      const int log2_rays = static_cast<int>(std::lround(std::log2(wanted)));
-      if (!control_.stopped())
-        factory_.add_rays(record, gather_, std::min(log2_rays, kMostLog2Rays), counts[i]);
+      if (doublings == 0 || control_.stopped()) return;
+      const bool keep_own = badly_guided_[i] == 0;
+      const double wanted =
+          static_cast<double>(record.rays) * (std::exp2(doublings) - (keep_own ? 1.0 : 0.0));
+      const int log2_rays = std::min(static_cast<int>(std::lround(std::log2(wanted))), kMostLog2Rays);
+      factory_.add_rays(record, gather_, log2_rays, keep_own, counts[i]);
+      badly_guided_[i] = 0;
     });
     for (const RayCounts& c : counts) result_.counts += c;
   }
@@ -404,8 +408,9 @@ class RecordPlacer::Placement {
   GatherOptions gather_;
   GuideField guides_;
   NoiseGoal noise_goal_;
-  double log2_rays_ = 0.0;  // of records, on average
-  double noise_ = 0.0;      // relative, of a typical record with kLog2PilotRays
+  double log2_rays_ = 0.0;                  // of records, on average
+  std::vector<std::uint8_t> badly_guided_;  // records of the first round that have no others' rays yet
+  double noise_ = 0.0;                      // relative, of a typical record with kLog2PilotRays
   RegionRule rule_;
 };
 
@@ -418,7 +423,6 @@ RecordPlacer::~RecordPlacer() = default;
 
 void RecordPlacer::cover(double error) { placement_->cover(error); }
 double RecordPlacer::relative_work(double error) const { return placement_->relative_work(error); }
-std::uint64_t RecordPlacer::gather_rays() const { return placement_->gather_rays(); }
 PlacementResult RecordPlacer::snapshot() const { return placement_->snapshot(); }
 PlacementResult RecordPlacer::finish() { return placement_->finish(); }
 

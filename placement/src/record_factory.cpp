@@ -212,7 +212,7 @@ RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& 
 }
 
 void RecordFactory::add_rays(RadianceRecord& record, const GatherOptions& gather, int log2_rays,
-                             RayCounts& counts) const {
+                             bool keep_own, RayCounts& counts) const {
   GatherOptions options = gather;
   options.log2_rays = log2_rays;
   options.seed = hash(gather.seed, 0xadd5u, record.rays);
@@ -224,9 +224,11 @@ void RecordFactory::add_rays(RadianceRecord& record, const GatherOptions& gather
   } else {
     more = gather_radiance(charts_.scene(), record.site, options, counts);
   }
-  const auto rays = static_cast<double>(std::uint64_t{1} << log2_rays);
-  record.estimate = pooled(record.estimate, static_cast<double>(record.rays), more, rays);
-  record.rays += std::uint64_t{1} << log2_rays;
+  const std::uint64_t rays = std::uint64_t{1} << log2_rays;
+  record.estimate =
+      keep_own ? pooled(record.estimate, static_cast<double>(record.rays), more, static_cast<double>(rays))
+               : more;
+  record.rays = keep_own ? record.rays + rays : rays;
   if (options_.representation == Representation::kHybrid) record.harmonics.reset();
 }
 

@@ -126,6 +126,16 @@ void HardPixels::gather_hard(const TileLayout& layout, const PhaseTimer& timer, 
 }
 
 void HardPixels::gather(std::vector<Sampled> chosen, const RunControl& control, RayCounts& counts) {
+  gather_at(chosen, control, counts);
+  if (control.stopped()) return;
+  for (const Sampled& s : chosen) {
+    sampled_at_[index_of(s.pixel)] = static_cast<std::int32_t>(sampled_.size());
+    sampled_.push_back(s);
+    if (s.hard) ++count_;
+  }
+}
+
+void HardPixels::gather_at(std::vector<Sampled>& chosen, const RunControl& control, RayCounts& counts) const {
   std::ranges::stable_sort(chosen, {}, &Sampled::tile);
   std::vector<std::span<Sampled>> tiles;
   for (std::size_t begin = 0, end = 0; begin < chosen.size(); begin = end) {
@@ -135,13 +145,16 @@ void HardPixels::gather(std::vector<Sampled> chosen, const RunControl& control, 
   std::vector<RayCounts> rays(tiles.size());
   for_each_reported(tiles.size(), "hard pixels", control,
                     [&](std::size_t i) { gather_in_tile(tiles[i], rays[i]); });
-  if (control.stopped()) return;
   for (const RayCounts& c : rays) counts += c;
-  for (const Sampled& s : chosen) {
-    sampled_at_[index_of(s.pixel)] = static_cast<std::int32_t>(sampled_.size());
-    sampled_.push_back(s);
-    if (s.hard) ++count_;
-  }
+}
+
+double HardPixels::seconds_per_ray(const TileLayout& layout, const RunControl& control) const {
+  std::vector<Sampled> pixels = survey(layout);
+  if (pixels.empty()) return 0.0;
+  const PhaseTimer timer("survey");
+  RayCounts counts;
+  gather_at(pixels, control, counts);
+  return timer.elapsed().seconds / (static_cast<double>(pixels.size()) * rays_per_pixel(options_.error));
 }
 
 void HardPixels::gather_in_tile(std::span<Sampled> chosen, RayCounts& counts) const {

@@ -34,6 +34,10 @@ class HardPixels {
   /// Gather rays of a pixel for an accepted error.
   [[nodiscard]] static double rays_per_pixel(double error);
 
+  /// Wall-clock time of a gather ray, tried at a pixel of each tile that has facts. Before `refine`, of which
+  /// nothing is done.
+  [[nodiscard]] double seconds_per_ray(const TileLayout& layout, const RunControl& control) const;
+
   /// Channels `first` to first + 2 of the image hold the indirect light. Sets `squared_error` of the facts of
   /// all pixels of the layout to what is left.
   void refine(Image& image, int first, const TileLayout& layout, const RunControl& control,
@@ -70,6 +74,7 @@ class HardPixels {
                    RayCounts& counts);
   /// Gathers at the chosen pixels and adds them to `sampled_`.
   void gather(std::vector<Sampled> chosen, const RunControl& control, RayCounts& counts);
+  void gather_at(std::vector<Sampled>& chosen, const RunControl& control, RayCounts& counts) const;
   void gather_in_tile(std::span<Sampled> chosen, RayCounts& counts) const;
   void calibrate(const TileLayout& layout);
   void blend(Image& image, int first);

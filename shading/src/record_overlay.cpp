@@ -123,7 +123,8 @@ std::vector<Stroke> strokes_of(const Scene& scene, const RadianceRecord& record,
   return strokes;
 }
 
-Image tone_mapped(const Image& picture, double exposure) {
+/// R, G, B in [0, 1]; NaN becomes 0.
+Image clamped(const Image& picture) {
   std::array<std::size_t, 3> source{0, 1, 2};
   constexpr std::array<const char*, 3> kNames{"R", "G", "B"};
   for (std::size_t c = 0; c < 3; ++c) {
@@ -131,13 +132,12 @@ Image tone_mapped(const Image& picture, double exposure) {
     VRC_CHECK(at != picture.channels.end(), "a picture without the channel {}", kNames[c]);
     source[c] = static_cast<std::size_t>(at - picture.channels.begin());
   }
-  const auto scale = static_cast<float>(std::exp2(exposure));
   Image image(picture.width, picture.height, {"R", "G", "B"});
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
       for (std::size_t c = 0; c < 3; ++c) {
-        const float value = scale * picture.pixel(x, y)[source[c]];
-        image.pixel(x, y)[c] = value > 0.0f ? std::min(value, 1.0f) : 0.0f;  // NaN becomes 0
+        const float value = picture.pixel(x, y)[source[c]];
+        image.pixel(x, y)[c] = value > 0.0f ? std::min(value, 1.0f) : 0.0f;
       }
     }
   }
@@ -178,7 +178,7 @@ Image draw_record_overlay(const Image& picture, const RadianceCache& cache,
       layer.stroke(s.a.cast<double>(), s.b.cast<double>(), radius);
     }
   }
-  Image image = tone_mapped(picture, options.exposure);
+  Image image = clamped(picture);
   blend(image, taylor, options.taylor_color);
   blend(image, harmonics, options.harmonics_color);
   return image;

@@ -113,13 +113,15 @@ class Renderer {
     for (const RayCounts& c : counts) counts_ += c;
   }
 
+  [[nodiscard]] HardPixelOptions hard_pixel_options(double mean_luminance, double seconds) const {
+    return {accepted_error_, mean_luminance, seconds, supersamples_edges(), options_.bounces, options_.seed};
+  }
+
   void refine(RenderResult& result) {
     PhaseTimer timer("hard pixels");
     const double seconds =
         options_.seconds > 0.0 ? std::max(options_.seconds - clock_.elapsed().seconds, 1e-3) : 0.0;
-    HardPixels hard(scene_, film_, *cache_, facts_,
-                    {accepted_error_, result.scale.mean_luminance, seconds, supersamples_edges(),
-                     options_.bounces, options_.seed});
+    HardPixels hard(scene_, film_, *cache_, facts_, hard_pixel_options(result.scale.mean_luminance, seconds));
     hard.refine(result.image, layers_.indirect, layout_, control_, counts_);
     result.stats.hard_pixels = hard.count();
     result.stats.relative_error = hard.relative_error();
@@ -176,6 +178,9 @@ class Renderer {
       const auto edges = std::ranges::count_if(facts, &PixelFacts::sees_edge);
       work.hard_pixels =
           scale * static_cast<double>(edges) + kDisagreeing * static_cast<double>(facts.size());
+      const HardPixels hard(scene_, film_, cache, facts,
+                            hard_pixel_options(placed.scale.mean_luminance, 0.0));
+      work.seconds_per_ray = hard.seconds_per_ray(layout_, control_);
     }
     return work;
   }

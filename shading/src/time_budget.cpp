@@ -9,13 +9,13 @@ namespace vrc {
 namespace {
 
 constexpr double kFirstError = 0.2, kLeastError = 1e-4;
-constexpr double kSlack = 0.05;          // of the time, for what takes longer than planned
-constexpr double kFinishing = 2.0;       // making a cache of the records and shading, over shading alone
-constexpr double kCostOfPixelRay = 1.5;  // time of a hard pixel's ray over that of a record's
+constexpr double kSlack = 0.05;     // of the time, for what takes longer than planned
+constexpr double kFinishing = 2.0;  // making a cache of the records and shading, over shading alone
 // A round that would take more than this, over the time so far, is halved.
 constexpr double kHalvedRound = 0.5;
+constexpr double kWholeRound = 0.9;  // of what is left, for the last one
 // By how much a round may lower the error, what is not worth one, and how finely that is sought.
-constexpr double kLargestStep = 2.0, kSmallestStep = 1.02, kStep = 1.01;
+constexpr double kLargestStep = 8.0, kSmallestStep = 1.02, kStep = 1.01;
 
 }  // namespace
 
@@ -28,13 +28,12 @@ double cover_within_time(RecordPlacer& placer, double seconds, const PhaseTimer&
   const WorkAfterRecords after = measure();
   while (!control.stopped() && error > kLeastError) {
     const double now = clock.elapsed().seconds;
-    const double per_ray = now / static_cast<double>(std::max<std::uint64_t>(placer.gather_rays(), 1));
     const auto left_with = [&](double e) {
       return (1.0 - kSlack) * seconds - now - kFinishing * after.shading_seconds -
-             after.hard_pixels * HardPixels::rays_per_pixel(e) * kCostOfPixelRay * per_ray;
+             after.hard_pixels * HardPixels::rays_per_pixel(e) * after.seconds_per_ray;
     };
     // Half of what is left, unless that is little: what a step costs is known better afterwards.
-    const double share = left_with(error) > kHalvedRound * now ? 0.5 : 1.0;
+    const double share = left_with(error) > kHalvedRound * now ? 0.5 : kWholeRound;
     const auto fits = [&](double e) {
       return per_work * work * (placer.relative_work(e) - 1.0) < share * left_with(e);
     };

@@ -13,6 +13,7 @@ namespace vrc {
 struct WorkAfterRecords {
   double shading_seconds = 0.0;
   double hard_pixels = 0.0;
+  double seconds_per_ray = 0.0;  ///< Of hard pixels.
 };
 
 /// Covers the visible points with a coarse error and lowers it step by step, until the records have taken

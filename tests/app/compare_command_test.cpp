@@ -46,6 +46,24 @@ TEST_F(CompareCommand, OfAPictureWithItselfIsZero) {
   EXPECT_EQ(json.at("mean_ratio"), 1.0);
 }
 
+TEST_F(CompareCommand, ShowsBothPicturesAndTheirErrorSideBySide) {
+  const std::string a = picture("a.exr", 0.5f, 0.3f), b = picture("b.exr", 0.25f, 0.2f);
+  const auto json = json_of({a, b, "--side-by-side", (folder_ / "both.png").string(), "--exposure", "1"});
+  EXPECT_GT(json.at("ssim"), 0.0);
+  EXPECT_LT(json.at("ssim"), 1.0);
+  const double error = 0.25 / std::sqrt(0.25 * 0.25 + 0.01);
+  for (const char* share : {"50", "90", "95", "99", "100"})
+    EXPECT_NEAR(json.at("relative_error_percentiles").at(share), error, 1e-5) << share;
+  const Image both = read_image(folder_ / "both.png");
+  EXPECT_EQ(both.width, 24);
+  EXPECT_GE(both.height, 6);
+  EXPECT_NEAR(both.pixel(3, 3)[0], 1.0f, 0.01f);
+  EXPECT_NEAR(both.pixel(11, 3)[0], 0.5f, 0.01f);
+  const auto wrong = run_vrc({"compare", a, b, "--side-by-side", (folder_ / "both.exr").string()});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr(".png"));
+}
+
 TEST_F(CompareCommand, MeasuresTheLayerItIsAskedFor) {
   const std::string a = picture("a.exr", 0.5f, 0.3f), b = picture("b.exr", 0.5f, 0.2f);
   EXPECT_EQ(json_of({a, b}).at("mse"), 0.0);

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -132,6 +133,15 @@ TEST(Crop, KeepsTheWindow) {
   EXPECT_EQ(window.width, 2);
   EXPECT_THAT(window.pixels, testing::ElementsAre(5.0f, 6.0f, 9.0f, 10.0f));
   EXPECT_THROW(static_cast<void>(crop(image, 1, 1, 5, 3)), std::logic_error);
+}
+
+TEST(Percentiles, AreTheNearestRanksOfFiniteValues) {
+  Image image(5, 1, {"error"});
+  image.pixels = {3.0f, kNan, 1.0f, 2.0f, 4.0f};
+  EXPECT_THAT(percentiles(image, std::array{0.0, 0.25, 0.5, 0.51, 1.0}),
+              testing::ElementsAre(1.0, 1.0, 2.0, 3.0, 4.0));
+  image.pixels.assign(5, kNan);
+  EXPECT_THAT(percentiles(image, std::array{0.5}), testing::ElementsAre(0.0));
 }
 
 }  // namespace

@@ -97,7 +97,7 @@ TEST(WritePng, AppliesExposureAndTheSrgbCurveOnce) {
   // From the definition: 0.5 -> 0.7354, 0.25 -> 0.5371, 0.002 -> 0.02584, 0.18 -> 0.4614.
   EXPECT_THAT(png_bytes(folder / "a.png"),
               testing::ElementsAre(0, 0, 0, 188, 137, 7, 255, 255, 0, 118, 118, 118));
-  write_png(folder / "b.png", image, -1.0);
+  write_png(folder / "b.png", image, {-1.0, Tonemap::kNone});
   // 0.09 -> 0.3316, 0.125 -> 0.3886, 0.001 -> 0.01292.
   EXPECT_THAT(png_bytes(folder / "b.png"),
               testing::ElementsAre(0, 0, 0, 137, 99, 3, 188, 255, 0, 85, 85, 85));

@@ -118,9 +118,8 @@ TEST_F(RecordOverlay, ShowsTheClassInColours) {
   EXPECT_FLOAT_EQ(brightest(2), options_.harmonics_color[2]);
 }
 
-TEST_F(RecordOverlay, BrightensAndClampsThePicture) {
-  options_.exposure = 1.0;
-  EXPECT_EQ(draw({}, 0.25).pixels.front(), 0.5f);
+TEST_F(RecordOverlay, ClampsThePicture) {
+  EXPECT_EQ(draw({}, 0.25).pixels.front(), 0.25f);
   EXPECT_EQ(draw({}, 4.0).pixels.front(), 1.0f);
   EXPECT_EQ(draw({}, std::nan("")).pixels.front(), 0.0f);
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string_view>
 
 #include "core/image.h"
@@ -38,6 +39,10 @@ struct ImageError {
 /// image with the one channel "error". A pixel that is not finite in either image becomes NaN.
 [[nodiscard]] Image relative_error_map(const Image& image, const Image& reference,
                                        std::string_view layer = {});
+
+/// The values of a one-channel image below which these shares, in [0, 1], of its finite values lie: the
+/// nearest one in rank; 0 without any.
+[[nodiscard]] std::vector<double> percentiles(const Image& image, std::span<const double> shares);
 
 /// The mean of two images of one size, channel by channel (R, G, B of `layer`; named R, G, B).
 [[nodiscard]] Image mean_rgb(const Image& first, const Image& second, std::string_view layer = {});

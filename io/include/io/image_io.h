@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/image.h"
+#include "io/display.h"
 
 namespace vrc {
 
@@ -16,8 +17,8 @@ using ImageMetadata = std::map<std::string, std::string>;
 /// Throws InputError when the path cannot be written.
 void write_exr(const std::filesystem::path& path, const Image& image, const ImageMetadata& metadata = {});
 
-/// 8-bit sRGB PNG of the channels R, G, B (or the first three), after multiplication by 2^exposure.
-void write_png(const std::filesystem::path& path, const Image& image, double exposure = 0.0);
+/// 8-bit sRGB PNG of the channels R, G, B (or the first three) as `displayed`; pixels with NaN are magenta.
+void write_png(const std::filesystem::path& path, const Image& image, const Display& display = {});
 
 /// Reads any image that OpenImageIO reads, as float, with its channel names.
 [[nodiscard]] Image read_image(const std::filesystem::path& path);

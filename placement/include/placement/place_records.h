@@ -69,8 +69,6 @@ class RecordPlacer {
   void cover(double error);
   /// About the work for records of this accepted error over that for those there are.
   [[nodiscard]] double relative_work(double error) const;
-  /// That were sent so far.
-  [[nodiscard]] std::uint64_t gather_rays() const;
   /// What there is, as it can be shaded, every sample covered or not; covering may go on.
   [[nodiscard]] PlacementResult snapshot() const;
   /// What there is, every sample covered, all refined. Only once.

@@ -31,9 +31,11 @@ class RecordFactory {
                                     const NoiseGoal& goal, RayCounts& counts,
                                     const GuideField* guides = nullptr) const;
 
-  /// Adds 2^log2_rays rays to those of a record that was made here: the estimate becomes the mean of all of
-  /// them. Not for records that hold harmonics alone. Of a hybrid cache, harmonics are forgotten.
-  void add_rays(RadianceRecord& record, const GatherOptions& gather, int log2_rays, RayCounts& counts) const;
+  /// Gathers again, by 2^log2_rays rays, at a record that was made here. The estimate becomes the mean of these
+  /// rays and, if it is to keep them, of its own; those guide the new ones in any case. Not for records that
+  /// hold harmonics alone. Of a hybrid cache, harmonics are forgotten.
+  void add_rays(RadianceRecord& record, const GatherOptions& gather, int log2_rays, bool keep_own,
+                RayCounts& counts) const;
 
   /// Gives the record its region, decides by the rule of a hybrid cache whether it is to hold spherical
   /// harmonics and gathers them when it does so for the first time.

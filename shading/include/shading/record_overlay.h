@@ -7,7 +7,6 @@
 namespace vrc {
 
 struct RecordOverlayOptions {
-  double exposure = 0.0;                     ///< Powers of two that the picture is brightened by.
   double scale = 0.5;                        ///< Of the drawn ellipses to the valid regions, which overlap.
   double line_width = 1.2;                   ///< [pixels]
   double dot_radius = 1.3;                   ///< Of the centres, smaller likewise. [pixels]
@@ -15,7 +14,7 @@ struct RecordOverlayOptions {
   Rgb harmonics_color{0.791f, 0.112f, 0.0f};
 };
 
-/// The picture as a PNG without exposure would show it, channels R, G, B in [0, 1], and over it the rims
+/// The picture, channels R, G, B cut off to [0, 1], and over it the rims
 /// of the records' ellipses, as they lie on the surface, and their centres: in one colour Taylor records
 /// and over them, in the other, those of spherical harmonics. What the camera does not see is left out. The
 /// time grows with the pixels that are drawn.

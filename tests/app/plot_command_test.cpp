@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <pugixml.hpp>
+
+#include "run_program.h"
+#include "support.h"
+
+namespace vrc {
+namespace {
+
+using test::run_vrc;
+using testing::HasSubstr;
+
+class PlotCommand : public testing::Test {
+ protected:
+  std::string file(const std::string& name, const std::string& content) {
+    test::write_file(folder_ / name, content);
+    return at(name);
+  }
+  [[nodiscard]] std::string at(const std::string& name) const { return (folder_ / name).string(); }
+
+  test::TempDir folder_;
+};
+
+constexpr const char* kBench = R"({"scenes": [
+  {"scene": "/a/half<box>.xml", "rows": [
+    {"cache": {"cpu_seconds": 10.0, "relmse": 1e-4}, "path": {"cpu_seconds": 10.0, "relmse": 0.1}},
+    {"cache": {"cpu_seconds": 1.0, "relmse": 1e-2}, "path": {"cpu_seconds": 1.0, "relmse": 1.0}}]},
+  {"scene": "other.xml", "rows": [{"cache": {"cpu_seconds": 2.0, "relmse": 1e-3}}]}]})";
+
+TEST_F(PlotCommand, DrawsAPanelForEachSceneOnLogarithmicAxes) {
+  const auto result = run_vrc({"plot", file("bench.json", kBench), "-o", at("a.svg")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  pugi::xml_document svg;
+  ASSERT_TRUE(svg.load_file(at("a.svg").c_str()));
+  const std::string text = test::read_file(at("a.svg"));
+  EXPECT_THAT(text,
+              testing::AllOf(HasSubstr("half&lt;box&gt;"), HasSubstr(">other<"), HasSubstr("radiance cache"),
+                             HasSubstr("path tracing"), HasSubstr("CPU seconds"), HasSubstr("relMSE")));
+  // Two decades down along one decade to the right: the corners of the axes.
+  const std::string first = svg.child("svg").child("polyline").attribute("points").value();
+  EXPECT_EQ(first, "64.0,154.0 364.0,274.0 ");
+  const auto lines = svg.child("svg").children("polyline");
+  EXPECT_EQ(std::distance(lines.begin(), lines.end()), 3);
+}
+
+TEST_F(PlotCommand, SaysWhatIsWrongWithItsInput) {
+  const struct {
+    std::string input;
+    const char* message;
+  } cases[] = {
+      {at("missing.json"), "cannot be opened"},
+      {file("a.json", "{"), "is no JSON"},
+      {file("b.json", "{}"), "scenes"},
+      {file("c.json", R"({"scenes": [{"scene": "a", "rows": [{"cache": {"relmse": 1}}]}]})"), "cpu_seconds"},
+      {file("d.json", R"({"scenes": []})"), "no measurements"}};
+  for (const auto& c : cases) {
+    const auto result = run_vrc({"plot", c.input, "-o", at("a.svg")});
+    EXPECT_EQ(result.exit_code, 2) << c.input;
+    EXPECT_THAT(result.err, testing::AllOf(HasSubstr(c.input), HasSubstr(c.message)));
+  }
+  const auto wrong = run_vrc({"plot", file("e.json", kBench), "-o", at("a.png")});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr(".svg"));
+}
+
+}  // namespace
+}  // namespace vrc
