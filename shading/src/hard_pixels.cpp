@@ -19,7 +19,8 @@ constexpr double kHardError = 8.0;
 // accepted error.
 constexpr double kHalfRays = 0.07;
 constexpr int kLog2MostRays = 12;       // of a half
-constexpr int kAround = 2;              // pixels of the neighbourhood over which errors are averaged
+constexpr int kAround = 4;              // pixels of the neighbourhood that is averaged
+constexpr float kSpread = 2.0f;         // deviation of its weights
 constexpr float kSimilarNormal = 0.9f;  // cosine of normals that are averaged
 // How many pixels of the survey the prior of the calibration counts for, and how far it may go.
 constexpr double kPriorPixels = 16.0, kMostCalibration = 4.0;
@@ -30,6 +31,9 @@ int log2_rays_of_half(double error) {
   const double rays = kHalfRays / (error * error);
   return std::clamp(static_cast<int>(std::lround(std::log2(rays))), kFewestLog2PixelRays, kLog2MostRays);
 }
+
+/// P / (P + V).
+float ratio(float p, float v) { return p > 0.0f ? p / (p + v) : 0.0f; }
 
 GuideField guides_of(const Scene& scene, const RadianceCache& cache) {
   GuideField guides(scene);
@@ -42,14 +46,17 @@ GuideField guides_of(const Scene& scene, const RadianceCache& cache) {
 }  // namespace
 
 HardPixels::HardPixels(const Scene& scene, const FilmSampler& film, const RadianceCache& cache,
-                       std::span<PixelFacts> facts, const HardPixelOptions& options)
+                       std::span<PixelFacts> facts, Image& image, int first, const HardPixelOptions& options)
     : scene_(scene),
       film_(film),
       facts_(facts),
+      image_(image),
+      first_(first),
       options_(options),
       guides_(guides_of(scene, cache)),
       gatherer_(scene, guides_, options.bounces, hash(options.seed, 0x4a2du)),
-      sampled_at_(facts.size(), -1) {}
+      sampled_at_(facts.size(), -1),
+      errors_(facts.size(), -1.0f) {}
 
 std::size_t HardPixels::index_of(const Pixel& p) const {
   return static_cast<std::size_t>(p.y) * static_cast<std::size_t>(scene_.camera().width) +
@@ -82,7 +89,7 @@ std::vector<HardPixels::Sampled> HardPixels::survey(const TileLayout& layout) co
     const std::vector<Pixel> tile = pixels_of(layout, i);
     const Pixel& pixel = tile[hash(options_.seed, 0x50b7e4u, i) % tile.size()];
     const PixelFacts& facts = facts_[index_of(pixel)];
-    if (facts.region >= 0) result.push_back({pixel, i, is_hard(facts), {}, 0.0f, 0.0f});
+    if (facts.region >= 0) result.push_back(Sampled{.pixel = pixel, .tile = i, .hard = is_hard(facts)});
   }
   return result;
 }
@@ -93,7 +100,7 @@ std::vector<HardPixels::Sampled> HardPixels::candidates(const TileLayout& layout
     for (const Pixel& pixel : pixels_of(layout, i)) {
       const PixelFacts& facts = facts_[index_of(pixel)];
       if (facts.region >= 0 && sampled_at_[index_of(pixel)] < 0 && (options_.seconds > 0.0 || is_hard(facts)))
-        result.push_back({pixel, i, true, {}, 0.0f, 0.0f});
+        result.push_back(Sampled{.pixel = pixel, .tile = i, .hard = true});
     }
   }
   if (options_.seconds > 0.0) {
@@ -174,16 +181,19 @@ void HardPixels::gather_in_tile(std::span<Sampled> chosen, RayCounts& counts) co
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     Sampled& s = chosen[i];
     const PixelFacts& facts = facts_[index_of(s.pixel)];
-    float difference[2];
+    const float* pixel = image_.pixel(s.pixel.x, s.pixel.y) + first_;
+    const Rgb interpolated(pixel[0], pixel[1], pixel[2]);
     for (std::size_t half = 0; half < 2; ++half) {
       const std::array<double, 3> sum =
           gatherer_.gather(points[i], log2_rays, hash(s.pixel.x, s.pixel.y, half), surfaces, counts);
+      Rgb light;
       for (int c = 0; c < 3; ++c)
-        s.halves[half][c] = static_cast<float>(sum[static_cast<std::size_t>(c)] / facts.samples);
-      difference[half] = (luminance(s.halves[half]) - facts.luminance) / scale_of(facts);
+        light[c] = static_cast<float>(sum[static_cast<std::size_t>(c)] / facts.samples);
+      s.residual += 0.5f * (light - interpolated);
+      s.difference[half] = (luminance(light) - facts.luminance) / scale_of(facts);
     }
-    s.bias = difference[0] * difference[1];
-    s.noise = 0.25f * (difference[0] - difference[1]) * (difference[0] - difference[1]);
+    s.bias = s.difference[0] * s.difference[1];
+    s.noise = 0.25f * (s.difference[0] - s.difference[1]) * (s.difference[0] - s.difference[1]);
   }
 }
 
@@ -217,44 +227,101 @@ void HardPixels::calibrate(const TileLayout& layout) {
   });
 }
 
-/// In the pixels around that were gathered again and show the same surface.
-HardPixels::Errors HardPixels::errors_around(const Sampled& s) const {
-  const PixelFacts& own = facts_[index_of(s.pixel)];
+template <typename Body>
+void HardPixels::for_each_alike(const Pixel& pixel, const Body& body) const {
+  static const auto kWeights = [] {
+    std::array<float, kAround + 1> w{};
+    for (int i = 0; i <= kAround; ++i)
+      w[static_cast<std::size_t>(i)] = std::exp(-0.5f * static_cast<float>(i * i) / (kSpread * kSpread));
+    return w;
+  }();
   const Camera& camera = scene_.camera();
-  Errors sum;
-  float count = 0.0f;
-  for (int y = std::max(s.pixel.y - kAround, 0); y <= std::min(s.pixel.y + kAround, camera.height - 1); ++y) {
-    for (int x = std::max(s.pixel.x - kAround, 0); x <= std::min(s.pixel.x + kAround, camera.width - 1);
-         ++x) {
-      const std::int32_t at = sampled_at_[index_of({x, y})];
-      if (at < 0) continue;
-      const PixelFacts& other = facts_[index_of({x, y})];
+  const PixelFacts& own = facts_[index_of(pixel)];
+  for (int y = std::max(pixel.y - kAround, 0); y <= std::min(pixel.y + kAround, camera.height - 1); ++y) {
+    for (int x = std::max(pixel.x - kAround, 0); x <= std::min(pixel.x + kAround, camera.width - 1); ++x) {
+      const std::size_t index = index_of({x, y});
+      const PixelFacts& other = facts_[index];
       if (other.region != own.region || other.sees_edge != own.sees_edge ||
           other.normal.dot(own.normal) < kSimilarNormal)
         continue;
-      sum.bias += sampled_[static_cast<std::size_t>(at)].bias;
-      sum.noise += sampled_[static_cast<std::size_t>(at)].noise;
-      ++count;
+      const std::int32_t at = sampled_at_[index];
+      body(kWeights[static_cast<std::size_t>(std::abs(x - pixel.x))] *
+               kWeights[static_cast<std::size_t>(std::abs(y - pixel.y))],
+           at < 0 ? nullptr : &sampled_[static_cast<std::size_t>(at)]);
     }
   }
-  // What the records tell counts as one pixel more.
-  return {std::max(sum.bias + relative_error_of(own), 0.0f) / (count + 1.0f), sum.noise / count};
 }
 
-void HardPixels::blend(Image& image, int first) {
+HardPixels::Around HardPixels::around(const Pixel& pixel) const {
+  Around a;
+  float all = 0.0f, squares = 0.0f, detail_squares = 0.0f;
+  for_each_alike(pixel, [&](float weight, const Sampled* s) {
+    all += weight;
+    if (s == nullptr || !s->hard) return;
+    a.weight += weight;
+    squares += weight * weight;
+    a.residual += weight * s->residual;
+    for (std::size_t half = 0; half < 2; ++half) a.difference[half] += weight * s->difference[half];
+    a.bias += weight * s->bias;
+    a.noise += weight * s->noise;
+    a.detail += weight * s->detail;
+    detail_squares += weight * weight * s->detail * s->detail;
+  });
+  if (a.weight == 0.0f) return a;
+  const float scale = 1.0f / a.weight;
+  a.residual *= scale;
+  for (float& d : a.difference) d *= scale;
+  // What the records tell counts as the pixel itself once more.
+  a.bias = std::max(a.bias + relative_error_of(facts_[index_of(pixel)]), 0.0f) / (a.weight + 1.0f);
+  a.noise *= scale;
+  // Only what stands out from its own scatter: else single pixels would keep their noise.
+  a.detail = std::max(scale * (a.detail - std::sqrt(detail_squares)), 0.0f);
+  a.noise_of_mean = a.noise * squares * scale * scale;
+  a.share = std::min(1.0f, 2.0f * a.weight / all);
+  return a;
+}
+
+void HardPixels::find_detail() {
+  std::vector<float> detail(sampled_.size());
   parallel_for(sampled_.size(), [&](std::size_t i) {
     const Sampled& s = sampled_[i];
     if (!s.hard) return;
-    const Errors e = errors_around(s);
-    if (!(e.bias > 0.0f)) return;
-    const float share = e.bias / (e.bias + e.noise);
-    float* pixel = image.pixel(s.pixel.x, s.pixel.y) + first;
-    const Rgb mean = 0.5f * (s.halves[0] + s.halves[1]);
-    for (int c = 0; c < 3; ++c) pixel[c] += share * (mean[c] - pixel[c]);
-    PixelFacts& facts = facts_[index_of(s.pixel)];
-    const float scale = scale_of(facts);
-    facts.squared_error = share * e.noise * scale * scale;
+    const Around a = around(s.pixel);
+    // Each half against the other's mean; what a half's own noise adds to its mean is taken out.
+    detail[i] =
+        (a.difference[0] - s.difference[1]) * (a.difference[1] - s.difference[0]) + 4.0f / a.weight * s.noise;
   });
+  for (std::size_t i = 0; i < sampled_.size(); ++i) sampled_[i].detail = detail[i];
+}
+
+void HardPixels::blend(const TileLayout& layout) {
+  find_detail();
+  parallel_for(layout.count(), [&](std::size_t i) {
+    for (const Pixel& p : pixels_of(layout, i)) {
+      PixelFacts& facts = facts_[index_of(p)];
+      if (facts.region < 0) continue;
+      const Around a = around(p);
+      if (a.weight == 0.0f) continue;
+      const float mean_share = a.share * ratio(a.bias, a.noise_of_mean);
+      Rgb change = mean_share * a.residual;
+      // Written to another place than what `around` reads.
+      float& error = errors_[index_of(p)];
+      const float unmoved = 1.0f - mean_share;
+      error = unmoved * unmoved * relative_error_of(facts) + mean_share * mean_share * a.noise_of_mean;
+      const std::int32_t at = sampled_at_[index_of(p)];
+      if (at >= 0 && sampled_[static_cast<std::size_t>(at)].hard) {
+        const float detail_share = a.share * ratio(a.detail, a.noise);
+        change += detail_share * (sampled_[static_cast<std::size_t>(at)].residual - a.residual);
+        error = mean_share * a.noise_of_mean + detail_share * a.noise;
+      }
+      float* pixel = image_.pixel(p.x, p.y) + first_;
+      for (int c = 0; c < 3; ++c) pixel[c] = std::max(pixel[c] + change[c], 0.0f);
+    }
+  });
+  for (std::size_t i = 0; i < facts_.size(); ++i) {
+    const float scale = scale_of(facts_[i]);
+    if (errors_[i] >= 0.0f) facts_[i].squared_error = errors_[i] * scale * scale;
+  }
 }
 
 void HardPixels::sum_up(const TileLayout& layout) {
@@ -270,14 +337,13 @@ void HardPixels::sum_up(const TileLayout& layout) {
   relative_error_ = std::sqrt(sum / std::max(pixels, 1.0));
 }
 
-void HardPixels::refine(Image& image, int first, const TileLayout& layout, const RunControl& control,
-                        RayCounts& counts) {
+void HardPixels::refine(const TileLayout& layout, const RunControl& control, RayCounts& counts) {
   const PhaseTimer timer("hard pixels");
   gather(survey(layout), control, counts);
   calibrate(layout);
   gather_hard(layout, timer, control, counts);
   if (control.stopped()) return;
-  blend(image, first);
+  blend(layout);
   sum_up(layout);
 }
 

@@ -27,9 +27,10 @@ struct HardPixelOptions {
 /// pixel of each tile tell how well the errors of all others are estimated.
 class HardPixels {
  public:
-  /// All must outlive it. `facts` are those of the film's pixels, row by row.
+  /// All must outlive it. `facts` are those of the film's pixels, row by row; channels `first` to first + 2
+  /// of the image hold what the records say of the indirect light.
   HardPixels(const Scene& scene, const FilmSampler& film, const RadianceCache& cache,
-             std::span<PixelFacts> facts, const HardPixelOptions& options);
+             std::span<PixelFacts> facts, Image& image, int first, const HardPixelOptions& options);
 
   /// Gather rays of a pixel for an accepted error.
   [[nodiscard]] static double rays_per_pixel(double error);
@@ -38,10 +39,8 @@ class HardPixels {
   /// nothing is done.
   [[nodiscard]] double seconds_per_ray(const TileLayout& layout, const RunControl& control) const;
 
-  /// Channels `first` to first + 2 of the image hold the indirect light. Sets `squared_error` of the facts of
-  /// all pixels of the layout to what is left.
-  void refine(Image& image, int first, const TileLayout& layout, const RunControl& control,
-              RayCounts& counts);
+  /// Corrects the image, and sets `squared_error` of the facts of all pixels of the layout to what is left.
+  void refine(const TileLayout& layout, const RunControl& control, RayCounts& counts);
 
   /// Pixels that were gathered again.
   [[nodiscard]] std::size_t count() const { return count_; }
@@ -53,15 +52,23 @@ class HardPixels {
   struct Sampled {
     Pixel pixel;
     std::size_t tile;
-    bool hard;                  ///< false: of the survey alone.
-    std::array<Rgb, 2> halves;  ///< Indirect light by gathers of independent rays.
-    /// Relative to `perceived`: product of the halves' differences to the records' luminance, and the squared
-    /// error of the halves' mean.
-    float bias = 0.0f, noise = 0.0f;
+    bool hard;  ///< false: of the survey alone.
+    /// Indirect light by the mean of two gathers of independent rays, less what the records say.
+    Rgb residual = Rgb::Zero();
+    // Of luminance, relative to `perceived`:
+    std::array<float, 2> difference{};  ///< Of each gather to the records.
+    float bias = 0.0f;                  ///< Product of the two: the records' squared error, on average.
+    float noise = 0.0f;                 ///< Squared error of the gathers' mean, on average.
+    float detail = 0.0f;                ///< Squared error of the residuals' mean around, on average.
   };
-  /// The relative squared errors P of the records and V of the gathers around a pixel.
-  struct Errors {
-    float bias = 0.0f, noise = 0.0f;
+  /// Means over the pixels around one that were gathered again and show the same surface.
+  struct Around {
+    float weight = 0.0f;  ///< Their sum; 0: there are none.
+    float share = 0.0f;   ///< Of the correction: falls to 0 away from them.
+    Rgb residual = Rgb::Zero();
+    std::array<float, 2> difference{};
+    float bias = 0.0f, noise = 0.0f, detail = 0.0f;
+    float noise_of_mean = 0.0f;  ///< Of the mean of `residual`.
   };
 
   [[nodiscard]] float accepted() const;  ///< Relative squared error up to which pixels are not hard.
@@ -77,8 +84,13 @@ class HardPixels {
   void gather_at(std::vector<Sampled>& chosen, const RunControl& control, RayCounts& counts) const;
   void gather_in_tile(std::span<Sampled> chosen, RayCounts& counts) const;
   void calibrate(const TileLayout& layout);
-  void blend(Image& image, int first);
-  [[nodiscard]] Errors errors_around(const Sampled& s) const;
+  /// Calls body(weight, sampled) for the pixels around that show the same surface; `sampled` is null where
+  /// there was no gather.
+  template <typename Body>
+  void for_each_alike(const Pixel& pixel, const Body& body) const;
+  [[nodiscard]] Around around(const Pixel& pixel) const;
+  void find_detail();
+  void blend(const TileLayout& layout);
   void sum_up(const TileLayout& layout);
   [[nodiscard]] std::size_t index_of(const Pixel& p) const;
   [[nodiscard]] float scale_of(const PixelFacts& facts) const;           ///< `perceived` luminance.
@@ -87,12 +99,15 @@ class HardPixels {
   const Scene& scene_;
   const FilmSampler& film_;
   std::span<PixelFacts> facts_;
+  Image& image_;
+  int first_;
   HardPixelOptions options_;
   GuideField guides_;
   PixelGatherer gatherer_;
   std::vector<Sampled> sampled_;
   std::vector<std::int32_t> sampled_at_;  ///< Per pixel of the film: its entry, or -1.
-  std::size_t count_ = 0;                 // of hard ones
+  std::vector<float> errors_;  ///< Relative squared errors left, of the film's pixels; < 0: as they were.
+  std::size_t count_ = 0;      ///< Of hard ones.
   double relative_error_ = 0.0;
 };
 

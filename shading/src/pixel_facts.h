@@ -15,9 +15,10 @@ struct PixelFacts {
   // Of indirect light: sums over the samples, and means after `finish`.
   float luminance = 0.0f, luminance2 = 0.0f;
   float squared_error = 0.0f;  ///< Of the luminance; before `finish` Interpolated16::squared_error.
-  // Of the first sample that scatters; region -1: there is none.
+  /// The least of its samples' smooth regions, the same all along an edge, and the normal of one of them
+  /// there; -1: no sample scatters.
   std::int32_t region = -1;
-  Vec3f normal = Vec3f::Zero(), position = Vec3f::Zero();
+  Vec3f normal = Vec3f::Zero();
 
   void add(const SurfacePoint16& points, const Interpolated16& light) {
     const auto sum = [&](F16 v) { return lane_sum(select(points.scatters, v, F16{})); };
@@ -28,11 +29,11 @@ struct PixelFacts {
   }
   void add(const CameraPacket& packet, const SurfacePoint16& points) {
     samples += static_cast<int>(lane_count(packet.active));
-    if (region >= 0 || !any(points.scatters)) return;
-    const int i = first_lane(points.scatters);
-    region = points.region[i];
-    normal = Vec3f(points.normal.x[i], points.normal.y[i], points.normal.z[i]);
-    position = Vec3f(points.position.x[i], points.position.y[i], points.position.z[i]);
+    for (int i = 0; i < kLanes; ++i) {
+      if (points.scatters[i] == 0 || (region >= 0 && points.region[i] >= region)) continue;
+      region = points.region[i];
+      normal = Vec3f(points.normal.x[i], points.normal.y[i], points.normal.z[i]);
+    }
   }
   void finish() {
     const float scale = 1.0f / static_cast<float>(std::max(samples, 1));

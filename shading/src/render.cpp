@@ -121,8 +121,9 @@ class Renderer {
     PhaseTimer timer("hard pixels");
     const double seconds =
         options_.seconds > 0.0 ? std::max(options_.seconds - clock_.elapsed().seconds, 1e-3) : 0.0;
-    HardPixels hard(scene_, film_, *cache_, facts_, hard_pixel_options(result.scale.mean_luminance, seconds));
-    hard.refine(result.image, layers_.indirect, layout_, control_, counts_);
+    HardPixels hard(scene_, film_, *cache_, facts_, result.image, layers_.indirect,
+                    hard_pixel_options(result.scale.mean_luminance, seconds));
+    hard.refine(layout_, control_, counts_);
     result.stats.hard_pixels = hard.count();
     result.stats.relative_error = hard.relative_error();
     result.stats.phases.push_back(timer.elapsed());
@@ -178,7 +179,7 @@ class Renderer {
       const auto edges = std::ranges::count_if(facts, &PixelFacts::sees_edge);
       work.hard_pixels =
           scale * static_cast<double>(edges) + kDisagreeing * static_cast<double>(facts.size());
-      const HardPixels hard(scene_, film_, cache, facts,
+      const HardPixels hard(scene_, film_, cache, facts, image, layers_.indirect,
                             hard_pixel_options(placed.scale.mean_luminance, 0.0));
       work.seconds_per_ray = hard.seconds_per_ray(layout_, control_);
     }
