@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include "io/xml_text.h"
+
 namespace vrc {
 namespace {
 
@@ -15,29 +17,6 @@ constexpr double kPlotWidth = 300, kPlotHeight = 240;
 constexpr double kLeft = 64, kTop = 34, kRight = 16, kBottom = 48, kLegendHeight = 30;
 constexpr double kMarker = 3.5;
 constexpr std::array kColors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7"};  // [OkabeIto2008]
-
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '&':
-        result += "&amp;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
 
 std::string text(double x, double y, const char* anchor, const std::string& content, int size = 12,
                  const std::string& attributes = "") {
@@ -100,7 +79,7 @@ std::string draw_panel(const PlotPanel& panel, double left, const std::string& x
                        const std::string& y_label, std::span<const std::string> names) {
   const double right = left + kPlotWidth, top = kTop, bottom = kTop + kPlotHeight;
   const LogAxis x(panel.series, 0, left, right), y(panel.series, 1, bottom, top);
-  std::string svg = text(0.5 * (left + right), top - 14, "middle", escaped(panel.title), 14);
+  std::string svg = text(0.5 * (left + right), top - 14, "middle", xml_escaped(panel.title), 14);
   for (int decade = x.low; decade <= x.high; ++decade) {
     for (int digit = 1; digit < 10; ++digit) {
       const double at = x.at(digit * std::pow(10.0, decade));
@@ -117,9 +96,9 @@ std::string draw_panel(const PlotPanel& panel, double left, const std::string& x
     }
     svg += text(left - 8, y.at(std::pow(10.0, decade)) + 4, "end", power_of_ten(decade));
   }
-  svg += text(0.5 * (left + right), bottom + 38, "middle", escaped(x_label));
+  svg += text(0.5 * (left + right), bottom + 38, "middle", xml_escaped(x_label));
   const double label_x = left - 48, label_y = 0.5 * (top + bottom);
-  svg += text(label_x, label_y, "middle", escaped(y_label), 12,
+  svg += text(label_x, label_y, "middle", xml_escaped(y_label), 12,
               fmt::format(" transform=\"rotate(-90 {:.1f} {:.1f})\"", label_x, label_y));
   for (const PlotSeries& s : panel.series) {
     const auto shape = static_cast<std::size_t>(std::ranges::find(names, s.name) - names.begin());
@@ -156,7 +135,7 @@ std::string plot_svg(std::span<const PlotPanel> panels, const std::string& x_lab
   const double legend_y = height - 14;
   for (std::size_t i = 0; i < names.size(); ++i) {
     svg += marker(i, at, legend_y - 4);
-    svg += text(at + 10, legend_y, "start", escaped(names[i]));
+    svg += text(at + 10, legend_y, "start", xml_escaped(names[i]));
     at += 34 + 7.0 * static_cast<double>(names[i].size());
   }
   return svg + "</svg>\n";

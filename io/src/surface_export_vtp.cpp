@@ -7,6 +7,7 @@
 #include "core/error.h"
 #include "io/atomic_file.h"
 #include "io/surface_export.h"
+#include "io/xml_text.h"
 #include "surface_export_check.h"
 
 namespace vrc {
@@ -31,35 +32,11 @@ void append_base64(std::string& text, std::string_view bytes) {
   }
 }
 
-/// Names come from this program, but XML must hold for any.
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
-
 template <typename T>
 void append_data_array(std::string& xml, const std::string& name, std::size_t components,
                        const std::vector<T>& values) {
   xml += fmt::format(R"(<DataArray type="{}" Name="{}" NumberOfComponents="{}" format="binary">)",
-                     vtk_type(T{}), escaped(name), components);
+                     vtk_type(T{}), xml_escaped(name), components);
   // An 8-byte length, then the values, encoded as one piece.
   const std::uint64_t size = values.size() * sizeof(T);
   std::string bytes(sizeof(size) + size, '\0');
@@ -78,8 +55,8 @@ void append_arrays(std::string& xml, const char* tag, const std::vector<SurfaceA
   xml += fmt::format("<{}", tag);
   for (const SurfaceArray& array : arrays) {
     if (has_components(array, {"nx", "ny", "nz"}))
-      xml += fmt::format(R"( Normals="{}")", escaped(array.name));
-    if (has_components(array, {"s", "t"})) xml += fmt::format(R"( TCoords="{}")", escaped(array.name));
+      xml += fmt::format(R"( Normals="{}")", xml_escaped(array.name));
+    if (has_components(array, {"s", "t"})) xml += fmt::format(R"( TCoords="{}")", xml_escaped(array.name));
   }
   xml += ">\n";
   for (const SurfaceArray& array : arrays) {

@@ -11,32 +11,7 @@ namespace {
 
 constexpr int kSize = 192;
 
-/// Two independent references by guided paths, scaled to a mean luminance of one half.
-struct GuidedReference {
-  std::array<Image, 2> halves;
-  float scale = 1.0f;
-
-  explicit GuidedReference(const Scene& scene) {
-    double sum = 0.0;
-    for (std::size_t half = 0; half < 2; ++half) {
-      RenderOptions options = test::options_of(Method::kPath, 128, 1000 + half, Component::kIndirect);
-      options.path_rays = 512;
-      halves[half] = render(scene, options).image;
-      for (std::size_t p = 0; p < halves[half].pixel_count(); ++p) {
-        const float* v = halves[half].pixels.data() + p * halves[half].channels.size();
-        sum += static_cast<double>(luminance(std::array{v[0], v[1], v[2]}));
-      }
-    }
-    scale = static_cast<float>(static_cast<double>(halves[0].pixel_count()) / sum);
-    for (Image& half : halves) {
-      for (float& v : half.pixels) v *= scale;
-    }
-  }
-  [[nodiscard]] double relmse(Image image) const {
-    for (float& v : image.pixels) v *= scale;
-    return two_half_relmse(image, halves[0], halves[1]);
-  }
-};
+test::IndirectReference guided_reference(const Scene& scene) { return {scene, 128, 512}; }
 
 RenderOptions indirect(double error) {
   RenderOptions options = test::options_of(Method::kCache, 16, 1, Component::kIndirect);
@@ -46,7 +21,7 @@ RenderOptions indirect(double error) {
 
 TEST(HardPixels, LowerTheErrorAtEdgesAndShadows) {
   const Scene scene = test::load_scene("cornell_glossy.xml", kSize, kSize);
-  const GuidedReference reference(scene);
+  const test::IndirectReference reference = guided_reference(scene);
   RenderOptions options = indirect(0.02);
   const RenderResult with = render(scene, options);
   options.cache.hard_pixels = false;
@@ -63,7 +38,7 @@ TEST(HardPixels, LowerTheErrorAtEdgesAndShadows) {
 TEST(HardPixels, EstimateTheErrorOfThePicture) {
   for (const char* name : {"half_box.xml", "cornell_glossy.xml", "cornell_ggx.xml", "curved_room.xml"}) {
     const Scene scene = test::load_scene(name, 112, 112);
-    const GuidedReference reference(scene);
+    const test::IndirectReference reference = guided_reference(scene);
     for (const double error : {0.1, 0.03}) {
       const RenderResult result = render(scene, indirect(error));
       const double measured = std::sqrt(reference.relmse(result.image));
@@ -84,7 +59,7 @@ TEST(HardPixels, LeaveAnErrorOfNothingInTheDark) {
 
 TEST(ErrorLayer, IsLargerWhereThePictureIsWorse) {
   const Scene scene = test::load_scene("cornell_glossy.xml", kSize, kSize);
-  const GuidedReference reference(scene);
+  const test::IndirectReference reference = guided_reference(scene);
   const Image image = render(scene, indirect(0.05)).image;
   const auto channel = std::ranges::find(image.channels, "error.Y") - image.channels.begin();
   ASSERT_LT(channel, std::ssize(image.channels));

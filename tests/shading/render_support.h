@@ -37,17 +37,18 @@ inline RenderOptions options_of(Method method, int samples_per_pixel, std::uint6
   return options;
 }
 
-/// Two references for indirect light by path tracing, scaled to a mean luminance of one half.
+/// Two references for indirect light by path tracing, or by guided rays of the pixels, scaled to a mean
+/// luminance of one half.
 struct IndirectReference {
   std::array<Image, 2> halves;
   float scale = 1.0f;
 
-  IndirectReference(const Scene& scene, int samples_per_pixel) {
+  IndirectReference(const Scene& scene, int samples_per_pixel, int path_rays = 0) {
     double sum = 0.0;
     for (std::size_t half = 0; half < 2; ++half) {
-      halves[half] =
-          render(scene, options_of(Method::kPath, samples_per_pixel, 1000 + half, Component::kIndirect))
-              .image;
+      RenderOptions options = options_of(Method::kPath, samples_per_pixel, 1000 + half, Component::kIndirect);
+      options.path_rays = path_rays;
+      halves[half] = render(scene, options).image;
       for (std::size_t p = 0; p < halves[half].pixel_count(); ++p) {
         const float* v = halves[half].pixels.data() + p * halves[half].channels.size();
         sum += static_cast<double>(luminance(std::array{v[0], v[1], v[2]}));
