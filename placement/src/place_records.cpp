@@ -72,7 +72,7 @@ class RecordPlacer::Placement {
     log2_rays_ = log2_rays_for_noise(error);
     result_.scale.log2_rays = log2_rays_;
     if (options_.gather_rays == 0) noise_goal_ = {kNoiseLimit * accepted_noise(error), rule_.mean_luminance};
-    if (!result_.records.empty() && log2_rays_ > before && !earlier_) add_rays(before);
+    if (!result_.records.empty() && !earlier_) add_rays(before);
     if (options_.records > 0)
       reach_count();
     else
@@ -239,8 +239,18 @@ class RecordPlacer::Placement {
     return options;
   }
 
-  /// Gives all records, which were made with 2^before rays, as many as new ones have. Those of the first
-  /// round, whose rays had little to guide them, get other ones.
+  /// log2 of the rays that the noise goal asks for, where a record misses it; else 0.
+  [[nodiscard]] int log2_rays_against_noise(const RadianceRecord& record) const {
+    const double deviation = std::sqrt(record.estimate.variance.value);
+    const double wanted =
+        noise_goal_.relative * perceived(record.estimate.luminance.value, rule_.mean_luminance);
+    if (noise_goal_.relative == 0.0 || deviation <= wanted) return 0;
+    return static_cast<int>(
+        std::lround(log2_rays_for(std::log2(static_cast<double>(record.rays)), deviation, wanted)));
+  }
+
+  /// Gives all records, which were made with 2^before rays, as many as new ones have, and more to those that
+  /// miss the noise goal. Those of the first round, whose rays had little to guide them, get other ones.
   void add_rays(double before) {
     if (factory_.holds_only_harmonics()) return;
     badly_guided_.resize(result_.records.size(),
@@ -249,13 +259,17 @@ class RecordPlacer::Placement {
     parallel_for(counts.size(), [&](std::size_t i) {
       RadianceRecord& record = result_.records[i];
       const int doublings = log2_rays_at(record.site, log2_rays_) - log2_rays_at(record.site, before);
-      if (doublings == 0 || control_.stopped()) return;
       const bool keep_own = badly_guided_[i] == 0;
-      const double wanted =
-          static_cast<double>(record.rays) * (std::exp2(doublings) - (keep_own ? 1.0 : 0.0));
-      const int log2_rays = std::min(static_cast<int>(std::lround(std::log2(wanted))), kMostLog2Rays);
-      factory_.add_rays(record, gather_, log2_rays, keep_own, counts[i]);
-      badly_guided_[i] = 0;
+      if (control_.stopped()) return;
+      if (doublings > 0 || !keep_own) {
+        const double wanted =
+            static_cast<double>(record.rays) * (std::exp2(doublings) - (keep_own ? 1.0 : 0.0));
+        const int log2_rays = std::min(static_cast<int>(std::lround(std::log2(wanted))), kMostLog2Rays);
+        factory_.add_rays(record, gather_, log2_rays, keep_own, counts[i]);
+        badly_guided_[i] = 0;
+      }
+      if (const int more = log2_rays_against_noise(record); (std::uint64_t{1} << more) > record.rays)
+        factory_.add_rays(record, gather_, more, false, counts[i]);
     });
     for (const RayCounts& c : counts) result_.counts += c;
   }

@@ -9,8 +9,9 @@ namespace vrc {
 namespace {
 
 constexpr double kFirstError = 0.2, kLeastError = 1e-4;
-constexpr double kSlack = 0.05;     // of the time, for what takes longer than planned
-constexpr double kFinishing = 2.0;  // making a cache of the records and shading, over shading alone
+constexpr double kSlack = 0.05;             // of the time, for what takes longer than planned
+constexpr double kFinishing = 2.0;          // making a cache of the records and shading, over shading alone
+constexpr double kMostForHardPixels = 0.3;  // of the time
 // A round that would take more than this, over the time so far, is halved.
 constexpr double kHalvedRound = 0.5;
 constexpr double kWholeRound = 0.9;  // of what is left, for the last one
@@ -30,7 +31,8 @@ double cover_within_time(RecordPlacer& placer, double seconds, const PhaseTimer&
     const double now = clock.elapsed().seconds;
     const auto left_with = [&](double e) {
       return (1.0 - kSlack) * seconds - now - kFinishing * after.shading_seconds -
-             after.hard_pixels * HardPixels::rays_per_pixel(e) * after.seconds_per_ray;
+             std::min(after.hard_pixels * HardPixels::rays_per_pixel(e) * after.seconds_per_ray,
+                      kMostForHardPixels * seconds);
     };
     // Half of what is left, unless that is little: what a step costs is known better afterwards.
     const double share = left_with(error) > kHalvedRound * now ? 0.5 : kWholeRound;
