@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "core/image_structure.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
-#include "core/error.h"
 #include "core/types.h"
+#include "rgb_view.h"
 
 namespace vrc {
 namespace {
@@ -26,18 +25,11 @@ struct Plane {
 };
 
 Plane luma(const Image& image) {
-  std::array<std::size_t, 3> rgb{};
-  for (std::size_t c = 0; c < 3; ++c) {
-    const auto found = std::ranges::find(image.channels, std::string(1, "RGB"[c]));
-    if (found == image.channels.end())
-      throw InputError(fmt::format("an image has no channel '{}'", "RGB"[c]));
-    rgb[c] = static_cast<std::size_t>(found - image.channels.begin());
-  }
+  const RgbView rgb(image, {});
   Plane plane{image.width, image.height, std::vector<double>(image.pixel_count())};
   for (std::size_t p = 0; p < image.pixel_count(); ++p) {
-    const float* v = image.pixels.data() + p * image.channels.size();
     for (std::size_t c = 0; c < 3; ++c) {
-      const auto value = static_cast<double>(v[rgb[c]]);
+      const double value = rgb(p, c);
       plane.values[p] += kLuminance[c] * (std::isfinite(value) ? value : 0.0);
     }
   }
@@ -83,10 +75,7 @@ Plane product(const Plane& a, const Plane& b) {
 }  // namespace
 
 double mean_ssim(const Image& a, const Image& b) {
-  if (a.width != b.width || a.height != b.height) {
-    throw InputError(fmt::format("the images differ in size: {}x{} and {}x{}; compare pictures of one size",
-                                 a.width, a.height, b.width, b.height));
-  }
+  require_same_size(a, b);
   const Plane x = luma(a), y = luma(b);
   const Plane mean_x = blurred(x), mean_y = blurred(y);
   const Plane xx = blurred(product(x, x)), yy = blurred(product(y, y)), xy = blurred(product(x, y));

@@ -26,9 +26,6 @@ struct PixelFacts {
     luminance += sum(y);
     luminance2 += sum(y * y);
     squared_error += sum(light.squared_error);
-  }
-  void add(const CameraPacket& packet, const SurfacePoint16& points) {
-    samples += static_cast<int>(lane_count(packet.active));
     for (int i = 0; i < kLanes; ++i) {
       if (points.scatters[i] == 0 || (region >= 0 && points.region[i] >= region)) continue;
       region = points.region[i];

@@ -200,7 +200,7 @@ class Renderer {
             PixelFacts& facts = all_facts[index_of(p)];
             for (int k = 0; k < tile.packets_per_pixel && !control_.stopped(); ++k, ++packet) {
               shade(tile, packet, records ? &*records : nullptr, pixel, facts, counts);
-              facts.add(tile.packets[packet], tile.points[packet]);
+              facts.samples += static_cast<int>(lane_count(tile.packets[packet].active));
               if (gatherer_) add_gathered(tile, packet, surfaces, pixel, counts);
             }
           }
