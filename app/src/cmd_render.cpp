@@ -58,7 +58,7 @@ ImageMetadata metadata_of(const RunReport& report) {
       {"vrc:seed", std::to_string(report.options.seed)},
   };
   if (report.options.method == Method::kCache) {
-    metadata["vrc:error"] = fmt::format("{}", report.stats.error);
+    if (report.stats.error > 0.0) metadata["vrc:error"] = fmt::format("{}", report.stats.error);
     metadata["vrc:records"] = std::to_string(report.stats.records);
   }
   if (report.stats.unfinished) metadata["vrc:unfinished"] = "true";

@@ -69,6 +69,15 @@ struct LogAxis {
   [[nodiscard]] double at(double value) const {
     return begin + (end - begin) * (std::log10(value) - low) / (high - low);
   }
+  /// Calls body(place, color) for the decades and what divides them.
+  template <typename Body>
+  void for_each_grid_line(const Body& body) const {
+    for (int decade = low; decade < high; ++decade) {
+      for (int digit = 1; digit < 10; ++digit)
+        body(at(digit * std::pow(10.0, decade)), digit == 1 ? "#c4c4c4" : "#ececec");
+    }
+    body(end, "#c4c4c4");
+  }
 };
 
 std::string power_of_ten(int exponent) {
@@ -80,22 +89,12 @@ std::string draw_panel(const PlotPanel& panel, double left, const std::string& x
   const double right = left + kPlotWidth, top = kTop, bottom = kTop + kPlotHeight;
   const LogAxis x(panel.series, 0, left, right), y(panel.series, 1, bottom, top);
   std::string svg = text(0.5 * (left + right), top - 14, "middle", xml_escaped(panel.title), 14);
-  for (int decade = x.low; decade <= x.high; ++decade) {
-    for (int digit = 1; digit < 10; ++digit) {
-      const double at = x.at(digit * std::pow(10.0, decade));
-      if (at > right + 0.5) break;
-      svg += line(at, top, at, bottom, digit == 1 ? "#c4c4c4" : "#ececec", 1);
-    }
+  x.for_each_grid_line([&](double at, const char* color) { svg += line(at, top, at, bottom, color, 1); });
+  y.for_each_grid_line([&](double at, const char* color) { svg += line(left, at, right, at, color, 1); });
+  for (int decade = x.low; decade <= x.high; ++decade)
     svg += text(x.at(std::pow(10.0, decade)), bottom + 18, "middle", power_of_ten(decade));
-  }
-  for (int decade = y.low; decade <= y.high; ++decade) {
-    for (int digit = 1; digit < 10; ++digit) {
-      const double at = y.at(digit * std::pow(10.0, decade));
-      if (at < top - 0.5) break;
-      svg += line(left, at, right, at, digit == 1 ? "#c4c4c4" : "#ececec", 1);
-    }
+  for (int decade = y.low; decade <= y.high; ++decade)
     svg += text(left - 8, y.at(std::pow(10.0, decade)) + 4, "end", power_of_ten(decade));
-  }
   svg += text(0.5 * (left + right), bottom + 38, "middle", xml_escaped(x_label));
   const double label_x = left - 48, label_y = 0.5 * (top + bottom);
   svg += text(label_x, label_y, "middle", xml_escaped(y_label), 12,
