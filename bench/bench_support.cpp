@@ -99,14 +99,6 @@ class DescriptionHash {
   std::uint64_t value_ = kReferenceFormat;
 };
 
-Image rgb_of(const Image& image) {
-  Image result(image.width, image.height, {"R", "G", "B"});
-  for (std::size_t p = 0; p < image.pixel_count(); ++p) {
-    std::copy_n(image.pixels.data() + p * image.channels.size(), 3, result.pixels.data() + 3 * p);
-  }
-  return result;
-}
-
 Image scaled(Image image, float scale) {
   for (float& v : image.pixels) v *= scale;
   return image;
@@ -135,6 +127,14 @@ Image reference_half(const Scene& scene, const fs::path& file, const PictureSett
 }
 
 }  // namespace
+
+Image rgb_of(const Image& image) {
+  Image result(image.width, image.height, {"R", "G", "B"});
+  for (std::size_t p = 0; p < image.pixel_count(); ++p) {
+    std::copy_n(image.pixels.data() + p * image.channels.size(), 3, result.pixels.data() + 3 * p);
+  }
+  return result;
+}
 
 void declare_picture_options(CLI::App& app, PictureSettings& settings) {
   const auto add = [&](const char* name, auto& target, const char* help) {
@@ -178,6 +178,37 @@ RenderOptions indirect_light(Method method, int samples_per_pixel, std::uint64_t
   options.samples_per_pixel = samples_per_pixel;
   options.seed = seed;
   return options;
+}
+
+EstimateQuality References::estimate_of(const Image& image) const {
+  constexpr int kBlock = 8;
+  const auto channel = static_cast<std::size_t>(std::ranges::find(image.channels, std::string("error.Y")) -
+                                                image.channels.begin());
+  if (channel == image.channels.size()) return {};
+  const Image values = scaled(rgb_of(image), scale);
+  Image squares(image.width, image.height, {"error", "estimate", "noise"});
+  for (std::size_t p = 0; p < image.pixel_count(); ++p) {
+    const auto luminance_of = [&](const Image& rgb) {
+      return luminance(Eigen::Map<const Rgb>(&rgb.pixels[3 * p]));
+    };
+    const float a = luminance_of(halves[0]), b = luminance_of(halves[1]), v = luminance_of(values);
+    const float estimate = scale * image.pixels[p * image.channels.size() + channel];
+    squares.pixels[3 * p] = (v - a) * (v - b);
+    squares.pixels[3 * p + 1] = estimate * estimate;
+    squares.pixels[3 * p + 2] = 0.5f * (a - b) * (a - b);
+  }
+  EstimateQuality result;
+  const Image blocks = block_means(squares, kBlock);
+  for (std::size_t p = 0; p < blocks.pixel_count(); ++p) {
+    const float* b = &blocks.pixels[3 * p];
+    // The mean of products deviates by an eighth of this, from the noise of one reference alone.
+    if (std::max(b[0], b[1]) <= b[2]) continue;
+    ++result.measurable;
+    if (b[0] >= 0.25f * b[1] && b[0] <= 4.0f * b[1]) ++result.within_two;
+  }
+  result.within_two /= std::max(result.measurable, 1.0);
+  result.measurable /= static_cast<double>(blocks.pixel_count());
+  return result;
 }
 
 double References::error_of(const Image& image) const {

@@ -38,8 +38,17 @@ void declare_picture_options(CLI::App& app, PictureSettings& settings);
 /// Indirect light of one bounce.
 [[nodiscard]] RenderOptions indirect_light(Method method, int samples_per_pixel, std::uint64_t seed);
 
+/// The channels R, G, B of an image that begins with them.
+[[nodiscard]] Image rgb_of(const Image& image);
+
 /// Pixels that an error is measured over, row by row.
 using PixelMask = std::vector<bool>;
+
+/// Of blocks of 8 x 8 pixels whose error, true or estimated, is more than the noise of the references.
+struct EstimateQuality {
+  double within_two = 0.0;  ///< Share whose true error is within a factor of two of the estimate.
+  double measurable = 0.0;  ///< Share of all blocks that these are.
+};
 
 /// Two references of independent noise, scaled to a mean luminance of one half.
 struct References {
@@ -48,6 +57,8 @@ struct References {
 
   [[nodiscard]] double error_of(const Image& image) const;
   [[nodiscard]] double error_of(const Image& image, const PixelMask& mask) const;
+  /// How well the layer error.Y of a picture foretells its errors.
+  [[nodiscard]] EstimateQuality estimate_of(const Image& image) const;
 };
 
 /// By path tracing; kept in files from run to run.

@@ -38,6 +38,7 @@ struct Settings : PictureSettings {
 struct Measurement {
   double cpu_seconds = 0.0;
   double relmse = 0.0;
+  EstimateQuality estimate;
   RenderStats stats;
 };
 
@@ -47,6 +48,7 @@ Measurement measure(const Scene& scene, const RenderOptions& options, const Refe
   const RenderResult rendered = render(scene, options);
   result.cpu_seconds = process_cpu_seconds() - begin;
   result.relmse = references.error_of(rendered.image);
+  result.estimate = references.estimate_of(rendered.image);
   result.stats = rendered.stats;
   return result;
 }
@@ -114,18 +116,22 @@ std::vector<CacheSetting> cache_settings(const Settings& settings) {
   return result;
 }
 
-void print_phases(const RenderStats& stats) {
+void print_details(const Measurement& m) {
   fmt::print("{:20}", "");
-  for (const PhaseTime& phase : stats.phases) fmt::print("  {} {:.2f} s", phase.name, phase.cpu_seconds);
-  fmt::print("  gather rays {:.1f} M  estimated relMSE {:.2e}\n",
-             1e-6 * static_cast<double>(stats.gather_rays), stats.relative_error * stats.relative_error);
+  for (const PhaseTime& phase : m.stats.phases) fmt::print("  {} {:.2f} s", phase.name, phase.cpu_seconds);
+  fmt::print("  gather rays {:.1f} M\n", 1e-6 * static_cast<double>(m.stats.gather_rays));
+  fmt::print(
+      "{:20}  estimated relMSE {:.2e}, within a factor of two in {:.0f} % of the {:.0f} % of blocks "
+      "that can be told\n",
+      "", m.stats.relative_error * m.stats.relative_error, 100.0 * m.estimate.within_two,
+      100.0 * m.estimate.measurable);
 }
 
 json compare(const Scene& scene, const References& references, const CacheSetting& setting,
              const Settings& settings) {
   Series cache, path;
-  std::vector<double> records;
-  RenderStats last;
+  std::vector<double> records, within_two;
+  Measurement last;
   for (int i = 0; i < settings.repeats; ++i) {
     RenderOptions options =
         indirect_light(Method::kCache, settings.samples_per_pixel, static_cast<std::uint64_t>(i + 1));
@@ -134,9 +140,12 @@ json compare(const Scene& scene, const References& references, const CacheSettin
     const Measurement m = measure(scene, options, references);
     cache.add(m);
     records.push_back(static_cast<double>(m.stats.records));
-    last = m.stats;
+    within_two.push_back(m.estimate.within_two);
+    last = m;
   }
   json row = {{"setting", setting.label}, {"records", median(records)}, {"cache", cache.to_json()}};
+  row["estimate_within_two"] = median(within_two);
+  last.estimate.within_two = median(within_two);
   fmt::print("{:20} {:>8.0f} {:>9.2f} {:>10.3e}", setting.label, median(records), cache.cpu(), cache.error());
   if (!settings.cache_only) {
     const int samples = equal_time_samples(scene, cache.cpu());
@@ -152,7 +161,7 @@ json compare(const Scene& scene, const References& references, const CacheSettin
     fmt::print(" {:>6} {:>9.2f} {:>10.3e} {:>8.1f}", samples, path.cpu(), path.error(), ratio);
   }
   fmt::print("\n");
-  print_phases(last);
+  print_details(last);
   std::fflush(stdout);
   return row;
 }

@@ -22,8 +22,8 @@ constexpr int kLog2MostRays = 12;       // of a half
 constexpr int kAround = 4;              // pixels of the neighbourhood that is averaged
 constexpr float kSpread = 2.0f;         // deviation of its weights
 constexpr float kSimilarNormal = 0.9f;  // cosine of normals that are averaged
-// How many pixels of the survey the prior of the calibration counts for, and how far it may go.
-constexpr double kPriorPixels = 16.0, kMostCalibration = 4.0;
+// Deviation of the estimates' ratio to the truth before the survey, and how far the calibration may go.
+constexpr double kPriorDeviation = 0.4, kMostCalibration = 4.0;
 constexpr double kPriorEdges = 4.0;        // pixels with edges that `accepted` counts for
 constexpr std::size_t kFewestAtOnce = 64;  // pixels
 
@@ -197,10 +197,10 @@ void HardPixels::gather_in_tile(std::span<Sampled> chosen, RayCounts& counts) co
   }
 }
 
-/// Scales the estimates of all pixels so that in the survey those without edges are right on average. With an
-/// edge they are no lower than the average of such pixels.
+/// Scales the estimates of all pixels so that in the survey those without edges are right on average, as far
+/// as its noise allows. With an edge they are no lower than the average of such pixels.
 void HardPixels::calibrate(const TileLayout& layout) {
-  double measured = 0.0, estimated = 0.0, pixels = 0.0;
+  double measured = 0.0, squares = 0.0, estimated = 0.0, pixels = 0.0;
   double edges = kPriorEdges, edge_error = kPriorEdges * static_cast<double>(accepted());
   for (const Sampled& s : sampled_) {
     if (facts_[index_of(s.pixel)].sees_edge) {
@@ -209,14 +209,18 @@ void HardPixels::calibrate(const TileLayout& layout) {
     }
     if (s.hard) continue;
     measured += static_cast<double>(s.bias);
+    squares += static_cast<double>(s.bias) * static_cast<double>(s.bias);
     estimated += static_cast<double>(relative_error_of(facts_[index_of(s.pixel)]));
     ++pixels;
   }
   const auto least = static_cast<float>(std::max(edge_error / edges, 0.0));
-  const double prior = pixels > 0.0 ? kPriorPixels * estimated / pixels : 0.0;
-  const double factor = estimated > 0.0 ? std::clamp((measured + prior) / (estimated + prior),
-                                                     1.0 / kMostCalibration, kMostCalibration)
-                                        : 1.0;
+  double factor = 1.0;
+  if (estimated > 0.0) {
+    const double ratio = measured / estimated;
+    const double variance = (squares - measured * measured / pixels) / (estimated * estimated);
+    const double share = kPriorDeviation * kPriorDeviation / (kPriorDeviation * kPriorDeviation + variance);
+    factor = std::clamp(1.0 + share * (ratio - 1.0), 1.0 / kMostCalibration, kMostCalibration);
+  }
   parallel_for(layout.count(), [&](std::size_t i) {
     for (const Pixel& p : pixels_of(layout, i)) {
       PixelFacts& facts = facts_[index_of(p)];
