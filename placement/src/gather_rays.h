@@ -89,8 +89,7 @@ class GatherRays {
     static thread_local SobolGrid grid;  // storage only: filled anew for every record
     fill_sobol_grid(grid, options_.log2_rays, sobol_seed_);
     for (std::size_t i = 0; i < grid.size(); i += kLanes) {
-      F16 u[kSobolDimensions];
-      for (int d = 0; d < kSobolDimensions; ++d) __builtin_memcpy(&u[d], grid.u[d].data() + i, sizeof(F16));
+      const auto [u] = grid.packet(i);
       GatherPacket16 packet;
       const F16 density = choose_direction(u[0], u[1], packet);
       if (trace(density, u[2], u[3], static_cast<std::uint32_t>(i), packet)) body(packet);

@@ -128,8 +128,7 @@ std::array<double, 3> PixelGatherer::gather(std::span<const SurfacePoint16> poin
   }
   V3x16 sum{};
   for (std::size_t i = 0; i < grid.size(); i += kLanes) {
-    F16 u[kSobolDimensions];
-    for (int d = 0; d < kSobolDimensions; ++d) __builtin_memcpy(&u[d], grid.u[d].data() + i, sizeof(F16));
+    const auto [u] = grid.packet(i);
     GatherRays& turn = rays[i / kLanes % used];
     GatherPacket16 packet;
     const F16 density = turn.choose_direction(u[0], u[1], packet);

@@ -55,8 +55,7 @@ HardPixels::HardPixels(const Scene& scene, const FilmSampler& film, const Radian
       options_(options),
       guides_(guides_of(scene, cache)),
       gatherer_(scene, guides_, options.bounces, hash(options.seed, 0x4a2du)),
-      sampled_at_(facts.size(), -1),
-      errors_(facts.size(), -1.0f) {}
+      sampled_at_(facts.size(), -1) {}
 
 std::size_t HardPixels::index_of(const Pixel& p) const {
   return static_cast<std::size_t>(p.y) * static_cast<std::size_t>(scene_.camera().width) +
@@ -298,33 +297,38 @@ void HardPixels::find_detail() {
   for (std::size_t i = 0; i < sampled_.size(); ++i) sampled_[i].detail = detail[i];
 }
 
+HardPixels::Correction HardPixels::correction_of(const Pixel& pixel) const {
+  const Around a = around(pixel);
+  if (a.weight == 0.0f) return {};
+  const float mean_share = a.share * ratio(a.bias, a.noise_of_mean);
+  const float unmoved = 1.0f - mean_share;
+  Correction result{mean_share * a.residual, unmoved * unmoved * relative_error_of(facts_[index_of(pixel)]) +
+                                                 mean_share * mean_share * a.noise_of_mean};
+  const std::int32_t at = sampled_at_[index_of(pixel)];
+  if (at >= 0 && sampled_[static_cast<std::size_t>(at)].hard) {
+    const float detail_share = a.share * ratio(a.detail, a.noise);
+    result.change += detail_share * (sampled_[static_cast<std::size_t>(at)].residual - a.residual);
+    result.error = mean_share * a.noise_of_mean + detail_share * a.noise;
+  }
+  return result;
+}
+
 void HardPixels::blend(const TileLayout& layout) {
   find_detail();
+  // Corrections look at the estimates of pixels around, so these are replaced when all are known.
+  std::vector<float> errors(facts_.size(), -1.0f);
   parallel_for(layout.count(), [&](std::size_t i) {
     for (const Pixel& p : pixels_of(layout, i)) {
-      PixelFacts& facts = facts_[index_of(p)];
-      if (facts.region < 0) continue;
-      const Around a = around(p);
-      if (a.weight == 0.0f) continue;
-      const float mean_share = a.share * ratio(a.bias, a.noise_of_mean);
-      Rgb change = mean_share * a.residual;
-      // Written to another place than what `around` reads.
-      float& error = errors_[index_of(p)];
-      const float unmoved = 1.0f - mean_share;
-      error = unmoved * unmoved * relative_error_of(facts) + mean_share * mean_share * a.noise_of_mean;
-      const std::int32_t at = sampled_at_[index_of(p)];
-      if (at >= 0 && sampled_[static_cast<std::size_t>(at)].hard) {
-        const float detail_share = a.share * ratio(a.detail, a.noise);
-        change += detail_share * (sampled_[static_cast<std::size_t>(at)].residual - a.residual);
-        error = mean_share * a.noise_of_mean + detail_share * a.noise;
-      }
+      if (facts_[index_of(p)].region < 0) continue;
+      const Correction correction = correction_of(p);
+      errors[index_of(p)] = correction.error;
       float* pixel = image_.pixel(p.x, p.y) + first_;
-      for (int c = 0; c < 3; ++c) pixel[c] = std::max(pixel[c] + change[c], 0.0f);
+      for (int c = 0; c < 3; ++c) pixel[c] = std::max(pixel[c] + correction.change[c], 0.0f);
     }
   });
   for (std::size_t i = 0; i < facts_.size(); ++i) {
     const float scale = scale_of(facts_[i]);
-    if (errors_[i] >= 0.0f) facts_[i].squared_error = errors_[i] * scale * scale;
+    if (errors[i] >= 0.0f) facts_[i].squared_error = errors[i] * scale * scale;
   }
 }
 

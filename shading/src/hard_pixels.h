@@ -71,6 +71,11 @@ class HardPixels {
     float noise_of_mean = 0.0f;  ///< Of the mean of `residual`.
   };
 
+  struct Correction {
+    Rgb change = Rgb::Zero();
+    float error = -1.0f;  ///< Relative squared error that is left; < 0: as it was.
+  };
+
   [[nodiscard]] float accepted() const;  ///< Relative squared error up to which pixels are not hard.
   [[nodiscard]] bool is_hard(const PixelFacts& facts) const;
   [[nodiscard]] std::vector<Sampled> survey(const TileLayout& layout) const;
@@ -90,6 +95,7 @@ class HardPixels {
   void for_each_alike(const Pixel& pixel, const Body& body) const;
   [[nodiscard]] Around around(const Pixel& pixel) const;
   void find_detail();
+  [[nodiscard]] Correction correction_of(const Pixel& pixel) const;
   void blend(const TileLayout& layout);
   void sum_up(const TileLayout& layout);
   [[nodiscard]] std::size_t index_of(const Pixel& p) const;
@@ -106,8 +112,7 @@ class HardPixels {
   PixelGatherer gatherer_;
   std::vector<Sampled> sampled_;
   std::vector<std::int32_t> sampled_at_;  ///< Per pixel of the film: its entry, or -1.
-  std::vector<float> errors_;  ///< Relative squared errors left, of the film's pixels; < 0: as they were.
-  std::size_t count_ = 0;      ///< Of hard ones.
+  std::size_t count_ = 0;                 ///< Of hard ones.
   double relative_error_ = 0.0;
 };
 

@@ -41,6 +41,13 @@ struct SobolGrid {
   std::vector<float> u[kSobolDimensions];
 
   [[nodiscard]] std::size_t size() const { return u[0].size(); }
+  /// The coordinates of the sixteen points from `first` on.
+  [[nodiscard]] Sample4 packet(std::size_t first) const {
+    Sample4 result;
+    for (int d = 0; d < kSobolDimensions; ++d)
+      __builtin_memcpy(&result.u[d], u[d].data() + first, sizeof(F16));
+    return result;
+  }
 };
 
 /// Fills `grid` (reusing its storage) with 2^log2_count points; 8 <= log2_count <= 20.
