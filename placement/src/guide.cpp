@@ -36,8 +36,21 @@ void smooth_columns(const GuideHistogram& from, int begin, int end, GuideHistogr
 
 }  // namespace
 
-void GuideHistogram::add(const GuideHistogram& other, float weight) {
-  for (std::size_t i = 0; i < mean_square.size(); ++i) mean_square[i] += weight * other.mean_square[i];
+void GuideHistogram::add(const KeptHistogram& other, float weight) {
+  for (std::size_t i = 0; i < mean_square.size(); ++i) mean_square[i] += weight * other.mean_square(i);
+}
+
+KeptHistogram::KeptHistogram(const GuideHistogram& histogram) {
+  for (std::size_t i = 0; i < upper_bits_.size(); ++i) {
+    const auto bits = std::bit_cast<std::uint32_t>(histogram.mean_square[i]);
+    upper_bits_[i] = static_cast<std::uint16_t>((bits + 0x8000u) >> 16);  // to the nearest one
+  }
+}
+
+GuideHistogram KeptHistogram::expanded() const {
+  GuideHistogram result;
+  result.add(*this, 1.0f);
+  return result;
 }
 
 GuideWarp::GuideWarp(const GuideHistogram& histogram, const std::vector<int>& first_columns) {
@@ -109,7 +122,7 @@ Eigen::Vector2i GuideField::cell_of(const Vec3& position) const {
           std::clamp(static_cast<int>(film.y()), 0, rows_ - 1)};
 }
 
-void GuideField::add(const RecordSite& site, std::shared_ptr<const GuideHistogram> histogram) {
+void GuideField::add(const RecordSite& site, std::shared_ptr<const KeptHistogram> histogram) {
   const Eigen::Vector2i cell = cell_of(site.point.position);
   cells_[static_cast<std::size_t>(cell.y() * columns_ + cell.x())].push_back(
       static_cast<std::uint32_t>(entries_.size()));

@@ -57,12 +57,13 @@ GuideField guides_of_view(const Scene& scene, const PlacementView& view, int bou
   options.seed = hash(seed, 0x9d1eu);
   const auto add = [&](const std::vector<RecordSite>& sites, int log2_rays) {
     options.log2_rays = log2_rays;
-    std::vector<std::shared_ptr<GuideHistogram>> found(sites.size());
+    std::vector<std::shared_ptr<const KeptHistogram>> found(sites.size());
     std::vector<RayCounts> rays(sites.size());
     parallel_for(sites.size(), [&](std::size_t i) {
-      found[i] = std::make_shared<GuideHistogram>();
       const std::unique_ptr<GuideHistogram> guide = guides.at(sites[i]);
-      static_cast<void>(gather_radiance(scene, sites[i], options, rays[i], {guide.get(), found[i].get()}));
+      GuideHistogram own;
+      static_cast<void>(gather_radiance(scene, sites[i], options, rays[i], {guide.get(), &own}));
+      found[i] = std::make_shared<const KeptHistogram>(own);
     });
     for (std::size_t i = 0; i < sites.size(); ++i) {
       guides.add(sites[i], std::move(found[i]));

@@ -164,7 +164,7 @@ RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& 
                                    RayCounts& counts, const GuideField* guides) const {
   const Scene& scene = charts_.scene();
   std::shared_ptr<const RecordHarmonics> harmonics;
-  std::shared_ptr<const GuideHistogram> found;
+  std::shared_ptr<const KeptHistogram> found;
   const auto options_for = [&](int log2_rays) {
     GatherOptions options = gather;
     options.log2_rays = log2_rays;
@@ -180,9 +180,9 @@ RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& 
       if (guide == nullptr) guide = std::make_unique<GuideHistogram>();
       guide->add(*found, 1.0f);
     }
-    auto own = std::make_shared<GuideHistogram>();
-    RadianceEstimate estimate = gather_radiance(scene, s, options, counts, {guide.get(), own.get()});
-    found = std::move(own);
+    GuideHistogram own;
+    RadianceEstimate estimate = gather_radiance(scene, s, options, counts, {guide.get(), &own});
+    found = std::make_shared<const KeptHistogram>(own);
     return estimate;
   };
   const Gather gather_harmonics_at = [&](const RecordSite& s, int log2_rays) {
@@ -218,9 +218,10 @@ void RecordFactory::add_rays(RadianceRecord& record, const GatherOptions& gather
   options.seed = hash(gather.seed, 0xadd5u, record.rays);
   RadianceEstimate more;
   if (options_.sends_guided_rays() && record.found) {
-    auto own = std::make_shared<GuideHistogram>();
-    more = gather_radiance(charts_.scene(), record.site, options, counts, {record.found.get(), own.get()});
-    record.found = std::move(own);
+    const GuideHistogram guide = record.found->expanded();
+    GuideHistogram own;
+    more = gather_radiance(charts_.scene(), record.site, options, counts, {&guide, &own});
+    record.found = std::make_shared<const KeptHistogram>(own);
   } else {
     more = gather_radiance(charts_.scene(), record.site, options, counts);
   }

@@ -109,18 +109,27 @@ TEST(GuidedGather, StaysUnbiasedAndBecomesLessNoisy) {
   EXPECT_LT(guided_variance, plain_variance / 4.0);
 }
 
+TEST(KeptHistogram, RoundsToEightBits) {
+  GuideHistogram histogram;
+  for (std::size_t i = 0; i < histogram.mean_square.size(); ++i)
+    histogram.mean_square[i] = i % 3 == 0 ? 0.0f : std::exp(0.01f * static_cast<float>(i) - 9.0f);
+  const GuideHistogram kept = KeptHistogram(histogram).expanded();
+  for (std::size_t i = 0; i < histogram.mean_square.size(); ++i)
+    EXPECT_NEAR(kept.mean_square[i], histogram.mean_square[i], 0x1p-8f * histogram.mean_square[i]);
+}
+
 TEST(GuideField, AveragesTheNearestOfTheSameSurface) {
   const Scene scene = load_scene("cornell_glossy.xml", 256, 256);
   const std::vector<RecordSite> sites = sites_at(scene, {{0.5, 0.3}});
   GuideField field(scene);
   EXPECT_EQ(field.at(sites[0]), nullptr);
-  field.add(sites[0], std::make_shared<GuideHistogram>(one_bright_cell(3)));
+  field.add(sites[0], std::make_shared<const KeptHistogram>(one_bright_cell(3)));
   RecordSite other = sites[0];
   other.point.material += 1;
-  field.add(other, std::make_shared<GuideHistogram>(one_bright_cell(4)));
+  field.add(other, std::make_shared<const KeptHistogram>(one_bright_cell(4)));
   RecordSite turned = sites[0];
   turned.point.normal = -turned.point.normal;
-  field.add(turned, std::make_shared<GuideHistogram>(one_bright_cell(5)));
+  field.add(turned, std::make_shared<const KeptHistogram>(one_bright_cell(5)));
   const auto found = field.at(sites[0]);
   ASSERT_NE(found, nullptr);
   EXPECT_FLOAT_EQ(found->mean_square[3], 1.0f);

@@ -65,6 +65,7 @@ struct RadianceEstimate {
 [[nodiscard]] Jet2 luminance(const std::array<Jet2, 3>& rgb);
 
 struct GuideHistogram;
+class KeptHistogram;
 
 /// What a gather learns from others, and others from it.
 struct Guidance {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <bit>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -20,7 +22,21 @@ struct GuideHistogram {
   std::array<float, kCells> mean_square{};  ///< Entry column * kRows + row.
 
   /// Adds `weight` times another histogram.
-  void add(const GuideHistogram& other, float weight);
+  void add(const KeptHistogram& other, float weight);
+};
+
+/// A histogram as it is kept with each of many records, in half the space: rounded to eight significant bits.
+class KeptHistogram {
+ public:
+  explicit KeptHistogram(const GuideHistogram& histogram);
+
+  [[nodiscard]] float mean_square(std::size_t cell) const {
+    return std::bit_cast<float>(std::uint32_t{upper_bits_[cell]} << 16);
+  }
+  [[nodiscard]] GuideHistogram expanded() const;
+
+ private:
+  std::array<std::uint16_t, GuideHistogram::kCells> upper_bits_;  ///< Of single-precision numbers.
 };
 
 /// Moves uniform points of the unit square to where a histogram found large contributions: piecewise
@@ -57,7 +73,7 @@ class GuideField {
  public:
   explicit GuideField(const Scene& scene);
 
-  void add(const RecordSite& site, std::shared_ptr<const GuideHistogram> histogram);
+  void add(const RecordSite& site, std::shared_ptr<const KeptHistogram> histogram);
 
   /// The average of the (up to four) nearest ones to a site, weighted by distance: same material, similar
   /// normal, within 24 pixels. Null when there is none.
@@ -67,7 +83,7 @@ class GuideField {
   struct Entry {
     Vec3 position, normal;
     std::int32_t material;
-    std::shared_ptr<const GuideHistogram> histogram;
+    std::shared_ptr<const KeptHistogram> histogram;
   };
   [[nodiscard]] Eigen::Vector2i cell_of(const Vec3& position) const;
 

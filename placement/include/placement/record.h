@@ -52,8 +52,8 @@ struct RadianceRecord {
   /// Null until they are asked for; used when `harmonics_reason` says so.
   std::shared_ptr<const RecordHarmonics> harmonics;
   HarmonicsReason harmonics_reason = HarmonicsReason::kNone;
-  std::shared_ptr<const GuideHistogram> found;  ///< By the gather's rays, for those of others; or null.
-  double clamp_factor = 1.0;                    ///< < 1: how much the crease limit reduced the derivatives.
+  std::shared_ptr<const KeptHistogram> found;  ///< By the gather's rays, for those of others; or null.
+  double clamp_factor = 1.0;                   ///< < 1: how much the crease limit reduced the derivatives.
   /// Of spherical harmonics, whose derivatives are limited where they are used.
   double gradient_factor = 1.0, hessian_factor = 1.0;
 
