@@ -91,7 +91,7 @@
     '-': (v) => v.set({exposure: Math.max(v.state.exposure - 0.5, -8)}),
     0: (v) => {
       v.placement.reset();
-      v.set({exposure: 0});
+      v.set({exposure: v.group.exposure});
     },
   };
   for (let digit = 1; digit <= 9; ++digit) actions[digit] = (v) => v.choose(digit - 1);

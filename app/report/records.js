@@ -119,6 +119,13 @@ class RecordLayer {
         if (x < -reach || y < -reach || x > width + reach || y > height + reach) continue;
         this.#trace(context, i, toView, scale);
       }
+      if (!moving && toView.scale > 1.5) {  // lines stand out from bright pictures and from errors
+        const {lineWidth} = context;
+        context.strokeStyle = 'rgba(0,0,0,.4)';
+        context.lineWidth = lineWidth + 1.2;
+        context.stroke();
+        context.lineWidth = lineWidth;
+      }
       context.strokeStyle = harmonics ? kHarmonicsColor : kTaylorColor;
       context.stroke();
     }
@@ -148,7 +155,7 @@ class RecordLayer {
     if (c.r1) {
       rows.push(['radii', `${readable(c.r1[i])} × ${readable(c.r2[i])}`]);
     }
-    rows.push(['in the picture', `${readable(this.a[i])} × ${readable(this.b[i])} px`]);
+    rows.push(['in pixels', `${readable(this.a[i])} × ${readable(this.b[i])}`]);
     if (c.L_r) {
       const luminance = 0.212671 * c.L_r[i] + 0.715160 * c.L_g[i] + 0.072169 * c.L_b[i];
       rows.push(['L', [c.L_r[i], c.L_g[i], c.L_b[i]].map(readable).join('  ')]);

@@ -8,6 +8,15 @@ const kStillTime = 140;    // [ms] after which a moved view is drawn in full
 let lastPageScroll = -Infinity;
 addEventListener('scroll', () => { lastPageScroll = performance.now(); }, {passive: true});
 
+/** Sends a pressed pointer's events to the element until it is released. */
+function capture(node, event) {
+  try {
+    node.setPointerCapture(event.pointerId);
+  } catch {
+    // It was released meanwhile.
+  }
+}
+
 /** Where the pictures of a group are looked at: zoom 1 shows all; the centre is in pixels. */
 class Placement {
   constructor(width, height) {
@@ -156,7 +165,7 @@ class View {
     });
     divider.addEventListener('pointerdown', (event) => {
       event.preventDefault();
-      divider.setPointerCapture?.(event.pointerId);
+      capture(divider, event);
       divider.focus({preventScroll: true});
       divider.dragged = true;
     });
@@ -209,7 +218,7 @@ class View {
 
   #onDown(event) {
     if (event.pointerType === 'mouse' && event.button !== 0) return;
-    if (this.host.placement.zoom > 1) this.picture.setPointerCapture?.(event.pointerId);
+    capture(this.picture, event);
     this.#pointers.set(event.pointerId, {x: event.clientX, y: event.clientY, moved: 0});
     this.#pinch = null;
     if (event.pointerType !== 'mouse') this.host.onCursor(this.#pointOf(event), this);

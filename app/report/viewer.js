@@ -18,7 +18,7 @@ class Viewer {
     const referred = this.panels.find((panel) => panel.reference !== undefined)?.reference;
     this.state = {
       panel: 0, other: referred || Math.min(1, this.panels.length - 1), before: 0, layout: 'one', error: false,
-      records: false, size: 0.5, exposure: 0, tone: 'none', split: 0.5,
+      records: false, size: 0.5, exposure: group.exposure, tone: 'none', split: 0.5,
     };
     this.cursor = null;
     this.chosen = -1;
@@ -47,6 +47,7 @@ class Viewer {
         element('div', {className: 'side'}, this.methods, this.controls), this.tip);
     this.node.addEventListener('pointerleave', () => { this.tip.hidden = true; });
     this.#layOut();
+    this.update();
   }
 
   #buildControls() {
@@ -67,7 +68,7 @@ class Viewer {
     this.sizeSlider = slider('Size', {
       low: 0.1, high: 1, step: 0.05, rest: 0.5, text: (v) => `${Math.round(100 * v)} %`}, set('size'));
     this.exposureSlider = slider('Exposure', {
-      low: -8, high: 8, step: 0.25, rest: 0,
+      low: -8, high: 8, step: 0.25, rest: this.group.exposure,
       text: (v) => `${v > 0 ? '+' : v < 0 ? '−' : ''}${Math.abs(v)} EV`}, set('exposure'));
     this.toneChoice = selection('Tone', Object.entries(toneNames), set('tone'));
     this.hasErrors = this.panels.some((panel) => panel.reference !== undefined);

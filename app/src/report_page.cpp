@@ -2,6 +2,8 @@
 #include "report_page.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -64,6 +66,18 @@ Image read_picture(const std::filesystem::path& path) {
   }
 }
 
+/// Powers of two, in halves, that bring nine tenths of a picture's pixels below a luminance that a screen
+/// shows as light grey.
+double fitting_exposure(const Image& picture) {
+  constexpr double kShare = 0.9, kLightGrey = 0.5;
+  Image luminances(picture.width, picture.height, {"Y"});
+  for (std::size_t p = 0; p < picture.pixel_count(); ++p)
+    luminances.pixels[p] = luminance(&picture.pixels[3 * p]);
+  const double bright = percentiles(luminances, std::array{kShare}).front();
+  if (!(bright > 0.0)) return 0.0;
+  return std::clamp(0.5 * std::round(2.0 * std::log2(kLightGrey / bright)), -8.0, 8.0);
+}
+
 /// What the script knows of a group; its pictures and records go into `data`.
 ordered_json group_json(const ReportGroup& group, DataBlocks& data) {
   ordered_json result{{"name", group.name}, {"panels", ordered_json::array()}};
@@ -73,6 +87,7 @@ ordered_json group_json(const ReportGroup& group, DataBlocks& data) {
     if (width == 0) {
       width = picture.width;
       height = picture.height;
+      result["exposure"] = fitting_exposure(picture);
     }
     if (picture.width != width || picture.height != height) {
       throw InputError(

@@ -48,6 +48,15 @@ std::string cell(const ReportValues& values, const std::string& key, const char*
                      found == values.end() ? "" : xml_escaped(found->second));
 }
 
+/// With the signs of typography.
+std::string bound_text(std::string bound) {
+  for (const auto& [typed, sign] : {std::pair(">=", "\u2265"), std::pair("<=", "\u2264")}) {
+    const std::size_t at = bound.find(typed);
+    if (at != std::string::npos) bound.replace(at, 2, sign);
+  }
+  return bound;
+}
+
 /// A table that scrolls by itself where the page is narrow.
 std::string scrolling(const std::string& label, const std::string& css_class, const std::string& rows) {
   return fmt::format(
@@ -98,7 +107,7 @@ std::string measure_table(const std::vector<ReportMeasure>& measures) {
     rows += fmt::format("<tr><th scope=\"row\">{}</th><td class=\"ours\">{}</td>", xml_escaped(m.name),
                         xml_escaped(m.value));
     if (paper) rows += fmt::format("<td class=\"paper\">{}</td>", xml_escaped(m.paper));
-    rows += fmt::format("<td>{}</td>", xml_escaped(m.bound));
+    rows += fmt::format("<td>{}</td>", xml_escaped(bound_text(m.bound)));
     rows += !m.holds   ? "<td class=\"verdict\"></td></tr>\n"
             : *m.holds ? "<td class=\"verdict yes\">\u2713 yes</td></tr>\n"
                        : "<td class=\"verdict no\">\u2717 no</td></tr>\n";
