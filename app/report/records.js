@@ -2,7 +2,8 @@
 // The cache records of a picture: their ellipses in the picture, drawn and found again.
 
 const kTaylorColor = '#56b4e9', kHarmonicsColor = '#e65e00';
-const kFewRecords = 6000;  // drawn while the view moves
+const kFewRecords = 4000;  // drawn while the view moves
+const kPathLength = 100;   // ellipses
 
 const kReasons = {
   'flat': 'flat surface',
@@ -41,6 +42,7 @@ class RecordLayer {
       this.b[i] = Math.sqrt(Math.max(middle - half, 0));
       this.angle[i] = 0.5 * Math.atan2(2 * xy, xx - yy);
     }
+    this.typicalRadius = this.a.slice().sort()[this.count >> 1];
   }
 
   /** Cells name the records whose whole ellipse's box meets them. */
@@ -108,25 +110,40 @@ class RecordLayer {
   /** All ellipses that the view shows, or a fair share of them while it moves. */
   draw(context, toView, scale, moving) {
     const stride = moving ? Math.max(1, Math.ceil(this.count / kFewRecords)) : 1;
-    const width = toView.width, height = toView.height;
-    context.lineWidth = Math.min(1.5, Math.max(0.6, 0.4 * toView.scale));
-    for (const harmonics of [false, true]) {
+    // Ellipses that are small, which crowd, have thin lines.
+    const radius = scale * this.typicalRadius * toView.scale;
+    const lineWidth = Math.min(1.5, Math.max(0.4, 0.2 * radius));
+    const shown = this.#shown(toView, scale, stride);
+    // Dark rims make lines stand out from bright pictures and from errors.
+    if (!moving && radius > 5) {
+      context.strokeStyle = 'rgba(0,0,0,.4)';
+      context.lineWidth = lineWidth + 1.2;
+      for (const list of shown) this.#stroke(context, list, toView, scale);
+    }
+    context.lineWidth = lineWidth;
+    [kTaylorColor, kHarmonicsColor].forEach((color, k) => {
+      context.strokeStyle = color;
+      this.#stroke(context, shown[k], toView, scale);
+    });
+  }
+
+  /** Taylor records and those of harmonics that reach into the view. */
+  #shown(toView, scale, stride) {
+    const shown = [[], []];
+    for (let i = 0; i < this.count; i += stride) {
+      const x = toView.x(this.columns.px[i]), y = toView.y(this.columns.py[i]);
+      const reach = scale * this.a[i] * toView.scale + 2;
+      if (x < -reach || y < -reach || x > toView.width + reach || y > toView.height + reach) continue;
+      shown[this.holdsHarmonics(i) ? 1 : 0].push(i);
+    }
+    return shown;
+  }
+
+  /** In short paths: browsers take much longer for one of many thousand ellipses. */
+  #stroke(context, list, toView, scale) {
+    for (let begin = 0; begin < list.length; begin += kPathLength) {
       context.beginPath();
-      for (let i = 0; i < this.count; i += stride) {
-        if (this.holdsHarmonics(i) !== harmonics) continue;
-        const x = toView.x(this.columns.px[i]), y = toView.y(this.columns.py[i]);
-        const reach = scale * this.a[i] * toView.scale + 2;
-        if (x < -reach || y < -reach || x > width + reach || y > height + reach) continue;
-        this.#trace(context, i, toView, scale);
-      }
-      if (!moving && toView.scale > 1.5) {  // lines stand out from bright pictures and from errors
-        const {lineWidth} = context;
-        context.strokeStyle = 'rgba(0,0,0,.4)';
-        context.lineWidth = lineWidth + 1.2;
-        context.stroke();
-        context.lineWidth = lineWidth;
-      }
-      context.strokeStyle = harmonics ? kHarmonicsColor : kTaylorColor;
+      for (const i of list.slice(begin, begin + kPathLength)) this.#trace(context, i, toView, scale);
       context.stroke();
     }
   }

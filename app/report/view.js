@@ -47,23 +47,25 @@ class Placement {
 }
 
 /**
- * `host` is the viewer: {placement, state, onView(), onCursor(point or null, view)}. `show` draws what
- * the host says.
+ * `host` is the viewer: {placement, state, onView(moving), onSplit(split), onCursor(point or null, view)}.
+ * `show` draws what the host says.
  */
 class View {
   #pointers = new Map();
   #lastTap = {time: -Infinity, x: 0, y: 0};
   #pinch = null;
   #still = 0;
+  #recordsDrawn = '';
 
   constructor(host, label) {
     this.host = host;
     this.picture = element('canvas', {className: 'picture', tabIndex: 0, role: 'img', 'aria-label': label});
+    this.records = element('canvas', {className: 'records', 'aria-hidden': 'true'});
     this.marks = element('canvas', {className: 'marks', 'aria-hidden': 'true'});
     this.left = element('span', {className: 'tag left'});
     this.right = element('span', {className: 'tag right', hidden: true});
     this.divider = this.#makeDivider();
-    this.node = element('div', {className: 'stage'}, this.picture, this.marks, this.left, this.right,
+    this.node = element('div', {className: 'stage'}, this.picture, this.records, this.marks, this.left, this.right,
                         this.divider);
     this.node.style.aspectRatio = `${host.placement.width} / ${host.placement.height}`;
     this.node.style.setProperty('--shape', host.placement.width / host.placement.height);
@@ -99,7 +101,11 @@ class View {
     return this.fromView(event.clientX - box.left, event.clientY - box.top);
   }
 
-  /** `content` is {first, second or null, split in [0, 1], marks(context, toView, moving)}. */
+  /**
+   * `content` is {first, second or null, split in [0, 1], records(context, toView, moving),
+   * recordsKey, marks(context, toView)}: what is drawn over them, the records only when their key or the view
+   * has changed.
+   */
   show(content, moving = false) {
     this.content = content;
     this.draw(moving);
@@ -109,14 +115,15 @@ class View {
     const to = this.toView();
     if (!this.content || to.width === 0) return;
     const density = devicePixelRatio || 1;
-    for (const canvas of [this.picture, this.marks]) {
+    for (const canvas of [this.picture, this.records, this.marks]) {
       const width = Math.round(to.width * density), height = Math.round(to.height * density);
-      if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, {width, height});
+      if (canvas.width === width && canvas.height === height) continue;
+      Object.assign(canvas, {width, height});
+      this.#recordsDrawn = '';
     }
     this.#drawPictures(to, density);
-    this.#drawMarks(to, density, moving);
-    clearTimeout(this.#still);
-    if (moving) this.#still = setTimeout(() => this.#drawMarks(this.toView(), density, false), kStillTime);
+    this.#drawRecords(to, density, moving);
+    this.content.marks(this.#cleared(this.marks, density), to);
     this.picture.style.touchAction = this.host.placement.zoom > 1 ? 'none' : 'pan-y';
     this.node.classList.toggle('zoomed', this.host.placement.zoom > 1);
   }
@@ -149,12 +156,27 @@ class View {
     this.divider.setAttribute('aria-valuenow', Math.round(100 * split));
   }
 
-  #drawMarks(to, density, moving) {
-    const context = this.marks.getContext('2d');
+  #drawRecords(to, density, moving) {
+    const {placement} = this.host;
+    const key = [this.content.recordsKey, to.width, to.height, density, placement.zoom, placement.x, placement.y,
+                 this.content.second ? this.content.split : ''].join(' ');
+    if (moving) {
+      clearTimeout(this.#still);
+      this.#still = setTimeout(() => this.draw(), kStillTime);
+    } else if (key === this.#recordsDrawn) {
+      return;
+    }
+    this.#recordsDrawn = moving ? '' : key;
+    this.content.records(this.#cleared(this.records, density), to, moving);
+  }
+
+  /** The canvas's context, to be drawn on in pixels of the style sheet. */
+  #cleared(canvas, density) {
+    const context = canvas.getContext('2d');
     context.setTransform(1, 0, 0, 1, 0, 0);
-    context.clearRect(0, 0, this.marks.width, this.marks.height);
+    context.clearRect(0, 0, canvas.width, canvas.height);
     context.setTransform(density, 0, 0, density, 0, 0);
-    this.content.marks?.(context, to, moving);
+    return context;
   }
 
   #makeDivider() {

@@ -195,7 +195,10 @@ class Viewer {
   back() { this.choose(this.state.before); }
 
   onView(moving) { this.#draw(moving); }
-  onSplit(split) { this.set({split}); }
+  onSplit(split) {
+    this.state.split = split;
+    this.#draw(true);
+  }
   /** In pixels of the picture; null: the pointer has left. */
   onCursor(point, view) {
     const {width, height} = this.group;
@@ -249,7 +252,9 @@ class Viewer {
         first: this.#paint(panel) ?? view.content?.first,
         second: split ? this.#paint(this.state.other) ?? element('canvas') : null,
         split: this.state.split,
-        marks: (context, toView, now) => this.#drawMarks(view, panel, context, toView, now),
+        records: (context, toView, now) => this.#drawRecords(panel, context, toView, now),
+        recordsKey: this.#recordsKey(split ? [panel, this.state.other] : [panel]),
+        marks: (context, toView) => this.#drawMarks(view, context, toView),
       }, moving);
     }
     this.#showReadout();
@@ -261,28 +266,33 @@ class Viewer {
     return this.panels[index].name + (isReference ? ' — radiance, no error' : '');
   }
 
-  #drawMarks(view, panel, context, toView, moving) {
+  #recordsKey(panels) {
+    if (!this.state.records) return '';
+    return [this.state.size, ...panels.map((panel) => `${panel} ${this.#layer(panel) !== null}`)].join(' ');
+  }
+
+  /** Of one panel, or of two on their sides of the divider. */
+  #drawRecords(panel, context, toView, moving) {
+    if (!this.state.records) return;
+    const side = (index, from, until) => {
+      context.save();
+      context.beginPath();
+      context.rect(from, 0, until - from, toView.height);
+      context.clip();
+      this.#layer(index)?.draw(context, toView, this.state.size, moving);
+      context.restore();
+    };
     const split = this.state.layout === 'split';
     const border = split ? this.state.split * toView.width : toView.width;
-    if (this.state.records) {
-      this.#drawRecords(panel, context, toView, 0, border, moving);
-      if (split) this.#drawRecords(this.state.other, context, toView, border, toView.width, moving);
-    }
+    side(panel, 0, border);
+    if (split) side(this.state.other, border, toView.width);
+  }
+
+  #drawMarks(view, context, toView) {
     if (!this.cursor) return;
     if (this.chosen >= 0 && this.cursor.view === view)
       this.#layer(this.#panelAt(view, this.cursor.x))?.drawChosen(context, this.chosen, toView);
     if (this.#views.length > 1 || toView.scale >= 6) this.#drawPixel(context, toView);
-  }
-
-  #drawRecords(panel, context, toView, from, until, moving) {
-    const layer = this.#layer(panel);
-    if (!layer) return;
-    context.save();
-    context.beginPath();
-    context.rect(from, 0, until - from, toView.height);
-    context.clip();
-    layer.draw(context, toView, this.state.size, moving);
-    context.restore();
   }
 
   /** A frame around the pixel under the cursor, in all views. */
@@ -381,7 +391,4 @@ class Viewer {
     const {records} = this.panels[this.state.panel];
     return records ? `${records.count} records` : 'no records of this method';
   }
-
-  /** The stage to which keys and tests turn. */
-  get active() { return this.#views[0]; }
 }
