@@ -116,7 +116,7 @@ class RecordLayer {
     const shown = this.#shown(toView, scale, stride);
     // Dark rims make lines stand out from bright pictures and from errors.
     if (!moving && radius > 5) {
-      context.strokeStyle = 'rgba(0,0,0,.4)';
+      context.strokeStyle = 'rgba(0,0,0,.3)';
       context.lineWidth = lineWidth + 1.2;
       for (const list of shown) this.#stroke(context, list, toView, scale);
     }

@@ -51,9 +51,9 @@ struct RecordMapEntry {
 /// angle by which the normal turns in the region [rad], `needs_sh` is 1 where it is above theta_max, and
 /// `reason` says what decided: 0 flat, 1 turns-little, 2 ellipse-turns, 3 surface-turns. `is_sh` is 1
 /// for records that hold spherical harmonics, and `sh_reason` says why: 0 none, 1 always, 2 turns,
-/// 3 replaces-many, 4 narrow. `px` to `p2y` are the record's position and half axes in the picture. In .csv files reasons are words. Absent numbers are -1. Colours map the
-/// logarithm of `radius` over the range of the file, dark for small; records of spherical harmonics are
-/// orange.
+/// 3 replaces-many, 4 narrow. `px` to `p2y` are the record's position and half axes in the picture [pixels].
+/// In .csv files reasons are words. Absent numbers are -1. Colours map the logarithm of `radius` over the
+/// range of the file, dark for small; records of spherical harmonics are orange.
 [[nodiscard]] SurfaceExport record_map(std::span<const RecordMapEntry> records);
 
 /// The records' ellipses on the surface, those of record i being ellipses[i], with the arrays
