@@ -12,6 +12,7 @@ find_package(OpenImageIO 2.4 REQUIRED)
 find_package(pugixml REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(CLI11 2.1 REQUIRED)
+find_package(ZLIB REQUIRED)
 
 # Debian's OpenImageIO names include folders that its packages do not install.
 foreach(target OpenImageIO::OpenImageIO OpenImageIO::OpenImageIO_Util)

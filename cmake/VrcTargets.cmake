@@ -25,3 +25,17 @@ function(vrc_library name)
                                          PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
   target_link_libraries(vrc_${name} PUBLIC ${ARG_PUBLIC} PRIVATE vrc_flags ${ARG_PRIVATE})
 endfunction()
+
+# vrc_embed_text(NAME header function files...)
+# The text of the files, one after the other, as `std::string_view function()`, which `header` of the layer
+# NAME declares.
+function(vrc_embed_text name header function)
+  list(TRANSFORM ARGN PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/ OUTPUT_VARIABLE inputs)
+  set(output ${CMAKE_CURRENT_BINARY_DIR}/${function}.cpp)
+  set(script ${CMAKE_SOURCE_DIR}/cmake/EmbedText.cmake)
+  add_custom_command(OUTPUT ${output}
+    COMMAND ${CMAKE_COMMAND} "-DINPUTS=${inputs}" -DOUTPUT=${output} -DHEADER=${header}
+            -DFUNCTION=${function} -P ${script}
+    DEPENDS ${inputs} ${script} VERBATIM)
+  target_sources(vrc_${name} PRIVATE ${output})
+endfunction()

@@ -26,6 +26,7 @@ Examples:
   vrc inspect bunny.ply
   vrc curvature bunny.ply -o curvature.png
   vrc plot bench.json -o bench.svg
+  vrc report figures -o report.html
 
 "vrc COMMAND --help" explains one command.
 Exit codes: 0 done; 1 internal error, or a comparison met values that are not finite;
@@ -83,6 +84,7 @@ int parse_and_run(int argc, const char* const* argv) {
       {"curvature", add_curvature_command(program)},
       {"charts", add_charts_command(program)},
       {"plot", add_plot_command(program)},
+      {"report", add_report_command(program)},
   };
   try {
     program.parse(argc, argv);

@@ -14,9 +14,12 @@ namespace {
 
 // Lengths in pixels of the document.
 constexpr double kPlotWidth = 300, kPlotHeight = 240;
-constexpr double kLeft = 64, kTop = 34, kRight = 16, kBottom = 48, kLegendHeight = 30;
+constexpr double kLeft = 64, kTop = 34, kRight = 16, kBottom = 48, kLegendHeight = 12;
 constexpr double kMarker = 3.5;
-constexpr std::array kColors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7"};  // [OkabeIto2008]
+constexpr double kLegendRow = 18, kLegendLetter = 6.6, kLegendGap = 34;
+constexpr std::array kColors = {"#0072b2", "#d55e00", "#009e73",
+                                "#cc79a7", "#56b4e9", "#e69f00"};  // [OkabeIto2008]
+constexpr std::size_t kShapes = 5;
 
 std::string text(double x, double y, const char* anchor, const std::string& content, int size = 12,
                  const std::string& attributes = "") {
@@ -24,17 +27,19 @@ std::string text(double x, double y, const char* anchor, const std::string& cont
                      y, size, anchor, attributes, content);
 }
 
-std::string line(double x0, double y0, double x1, double y1, const char* stroke, double width) {
+/// In the colour of the text, paler.
+std::string grid_line(double x0, double y0, double x1, double y1, double opacity) {
   return fmt::format(
-      "<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\" stroke-width=\"{}\"/>\n",
-      x0, y0, x1, y1, stroke, width);
+      "<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"currentColor\" "
+      "stroke-opacity=\"{}\"/>\n",
+      x0, y0, x1, y1, opacity);
 }
 
-/// Disc, square, diamond or triangle.
+/// Disc, square, diamond, triangle or triangle upside down.
 std::string marker(std::size_t shape, double x, double y) {
   const char* color = kColors[shape % kColors.size()];
   const double r = kMarker;
-  switch (shape % kColors.size()) {
+  switch (shape % kShapes) {
     case 0:
       return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\"/>\n", x, y, r, color);
     case 1:
@@ -43,58 +48,98 @@ std::string marker(std::size_t shape, double x, double y) {
     case 2:
       return fmt::format("<path d=\"M{:.1f} {:.1f}l{} {}l{} {}l{} {}z\" fill=\"{}\"/>\n", x, y - 1.4 * r,
                          1.4 * r, 1.4 * r, -1.4 * r, 1.4 * r, -1.4 * r, -1.4 * r, color);
-    default:
+    case 3:
       return fmt::format("<path d=\"M{:.1f} {:.1f}l{} {}h{}z\" fill=\"{}\"/>\n", x, y - 1.3 * r, 1.3 * r,
                          2.3 * r, -2.6 * r, color);
+    default:
+      return fmt::format("<path d=\"M{:.1f} {:.1f}l{} {}h{}z\" fill=\"{}\"/>\n", x, y + 1.3 * r, -1.3 * r,
+                         -2.3 * r, 2.6 * r, color);
   }
 }
 
-/// Whole decades around the values of an axis.
-struct LogAxis {
-  int low = 0, high = 1;          ///< Powers of ten.
-  double begin = 0.0, end = 1.0;  ///< In the document.
+std::string power_of_ten(int exponent) {
+  return fmt::format("10<tspan dy=\"-5\" font-size=\"9\">{}</tspan>", exponent);
+}
 
-  LogAxis(std::span<const PlotSeries> series, int coordinate, double from, double to) : begin(from), end(to) {
-    double least = HUGE_VAL, most = 0.0;
+/// Logarithmic between whole decades around the values, or linear between round numbers when a value is
+/// not positive.
+class Axis {
+ public:
+  Axis(std::span<const PlotSeries> series, int coordinate, double from, double to) : begin_(from), end_(to) {
+    double least = HUGE_VAL, most = -HUGE_VAL;
     for (const PlotSeries& s : series) {
       for (const Vec2& p : s.points) {
         least = std::min(least, p[coordinate]);
         most = std::max(most, p[coordinate]);
       }
     }
-    if (most == 0.0) return;
-    low = static_cast<int>(std::floor(std::log10(least) + 1e-9));
-    high = std::max(low + 1, static_cast<int>(std::ceil(std::log10(most) - 1e-9)));
+    if (least > most) least = most = 1.0;
+    logarithmic_ = least > 0.0;
+    if (logarithmic_) {
+      low_ = std::floor(std::log10(least) + 1e-9);
+      high_ = std::max(low_ + 1.0, std::ceil(std::log10(most) - 1e-9));
+      step_ = 1.0;
+    } else {
+      step_ = round_step(std::max(most - least, 1e-12 * std::max(std::abs(least), 1.0)));
+      low_ = step_ * std::floor(least / step_ + 1e-9);
+      high_ = std::max(low_ + step_, step_ * std::ceil(most / step_ - 1e-9));
+    }
+    stride_ = step_ * std::ceil(std::round((high_ - low_) / step_) / kMostLabels);
   }
-  [[nodiscard]] double at(double value) const {
-    return begin + (end - begin) * (std::log10(value) - low) / (high - low);
-  }
-  /// Calls body(place, color) for the decades and what divides them.
+  [[nodiscard]] double at(double value) const { return place(logarithmic_ ? std::log10(value) : value); }
+  /// Calls body(place, opacity) for the labelled values and, of decades, what divides them.
   template <typename Body>
   void for_each_grid_line(const Body& body) const {
-    for (int decade = low; decade < high; ++decade) {
-      for (int digit = 1; digit < 10; ++digit)
-        body(at(digit * std::pow(10.0, decade)), digit == 1 ? "#c4c4c4" : "#ececec");
-    }
-    body(end, "#c4c4c4");
+    for_each_step([&](double step) {
+      body(place(step), 0.25);
+      if (!logarithmic_ || stride_ > step_ || step + 0.5 > high_) return;
+      for (int digit = 2; digit < 10; ++digit) body(place(step + std::log10(digit)), 0.08);
+    });
   }
-};
+  /// Calls body(place, text).
+  template <typename Body>
+  void for_each_label(const Body& body) const {
+    for_each_step([&](double step) {
+      body(place(step), logarithmic_ ? power_of_ten(static_cast<int>(std::lround(step)))
+                                     : fmt::format("{:g}", std::abs(step) < 1e-9 * step_ ? 0.0 : step));
+    });
+  }
 
-std::string power_of_ten(int exponent) {
-  return fmt::format("10<tspan dy=\"-5\" font-size=\"9\">{}</tspan>", exponent);
-}
+ private:
+  /// 1, 2 or 5 times a power of ten, four to nine of which span `range`.
+  static double round_step(double range) {
+    const double decade = std::pow(10.0, std::floor(std::log10(range / 4.0)));
+    for (const double digit : {5.0, 2.0}) {
+      if (range / 4.0 >= digit * decade) return digit * decade;
+    }
+    return decade;
+  }
+  [[nodiscard]] double place(double position) const {
+    return begin_ + (end_ - begin_) * (position - low_) / (high_ - low_);
+  }
+  template <typename Body>
+  void for_each_step(const Body& body) const {
+    for (int i = 0; low_ + i * stride_ <= high_ + 0.5 * step_; ++i) body(low_ + i * stride_);
+  }
+
+  static constexpr double kMostLabels = 10.0;
+
+  double begin_, end_;                      ///< In the document.
+  double low_ = 0, high_ = 1, step_ = 1.0;  ///< Values, or their powers of ten.
+  double stride_ = 1.0;                     ///< Between labels: every step, or every second, third ... one.
+  bool logarithmic_ = true;
+};
 
 std::string draw_panel(const PlotPanel& panel, double left, const std::string& x_label,
                        const std::string& y_label, std::span<const std::string> names) {
   const double right = left + kPlotWidth, top = kTop, bottom = kTop + kPlotHeight;
-  const LogAxis x(panel.series, 0, left, right), y(panel.series, 1, bottom, top);
+  const Axis x(panel.series, 0, left, right), y(panel.series, 1, bottom, top);
   std::string svg = text(0.5 * (left + right), top - 14, "middle", xml_escaped(panel.title), 14);
-  x.for_each_grid_line([&](double at, const char* color) { svg += line(at, top, at, bottom, color, 1); });
-  y.for_each_grid_line([&](double at, const char* color) { svg += line(left, at, right, at, color, 1); });
-  for (int decade = x.low; decade <= x.high; ++decade)
-    svg += text(x.at(std::pow(10.0, decade)), bottom + 18, "middle", power_of_ten(decade));
-  for (int decade = y.low; decade <= y.high; ++decade)
-    svg += text(left - 8, y.at(std::pow(10.0, decade)) + 4, "end", power_of_ten(decade));
+  x.for_each_grid_line([&](double at, double opacity) { svg += grid_line(at, top, at, bottom, opacity); });
+  y.for_each_grid_line([&](double at, double opacity) { svg += grid_line(left, at, right, at, opacity); });
+  x.for_each_label(
+      [&](double at, const std::string& label) { svg += text(at, bottom + 18, "middle", label); });
+  y.for_each_label([&](double at, const std::string& label) { svg += text(left - 8, at + 4, "end", label); });
   svg += text(0.5 * (left + right), bottom + 38, "middle", xml_escaped(x_label));
   const double label_x = left - 48, label_y = 0.5 * (top + bottom);
   svg += text(label_x, label_y, "middle", xml_escaped(y_label), 12,
@@ -110,10 +155,29 @@ std::string draw_panel(const PlotPanel& panel, double left, const std::string& x
   return svg;
 }
 
+/// Shapes and names of the series in rows, the first `top` from the document's upper border; `height`
+/// becomes that of all.
+std::string draw_legend(std::span<const std::string> names, double width, double top, double& height) {
+  std::string svg;
+  double at = kLeft, y = top;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const double length = kLegendLetter * static_cast<double>(names[i].size());
+    if (at > kLeft && at + 10 + length > width) {
+      at = kLeft;
+      y += kLegendRow;
+    }
+    svg += marker(i, at, y - 4);
+    svg += text(at + 10, y, "start", xml_escaped(names[i]));
+    at += kLegendGap + length;
+  }
+  height = y - top + kLegendRow;
+  return svg;
+}
+
 }  // namespace
 
 std::string plot_svg(std::span<const PlotPanel> panels, const std::string& x_label,
-                     const std::string& y_label) {
+                     const std::string& y_label, PlotPaper paper) {
   std::vector<std::string> names;
   for (const PlotPanel& panel : panels) {
     for (const PlotSeries& s : panel.series) {
@@ -122,22 +186,19 @@ std::string plot_svg(std::span<const PlotPanel> panels, const std::string& x_lab
   }
   const double column = kLeft + kPlotWidth + kRight;
   const double width = column * static_cast<double>(std::max<std::size_t>(panels.size(), 1));
-  const double height = kTop + kPlotHeight + kBottom + kLegendHeight;
+  const double top = kTop + kPlotHeight + kBottom + kLegendHeight;
+  double legend_height = 0.0;
+  const std::string legend = draw_legend(names, width, top, legend_height);
+  const double height = top + legend_height;
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" "
-      "height=\"{1:.0f}\" font-family=\"sans-serif\" fill=\"#222\">\n"
-      "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
-      width, height);
+      "height=\"{1:.0f}\" font-family=\"{2}\" {3} fill=\"currentColor\">\n",
+      width, height, paper == PlotPaper::kWhite ? "sans-serif" : "inherit",
+      paper == PlotPaper::kWhite ? "color=\"#222\"" : "aria-hidden=\"true\"");
+  if (paper == PlotPaper::kWhite) svg += "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
   for (std::size_t i = 0; i < panels.size(); ++i)
     svg += draw_panel(panels[i], kLeft + column * static_cast<double>(i), x_label, y_label, names);
-  double at = kLeft;
-  const double legend_y = height - 14;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    svg += marker(i, at, legend_y - 4);
-    svg += text(at + 10, legend_y, "start", xml_escaped(names[i]));
-    at += 34 + 7.0 * static_cast<double>(names[i].size());
-  }
-  return svg + "</svg>\n";
+  return svg + legend + "</svg>\n";
 }
 
 }  // namespace vrc

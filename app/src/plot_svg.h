@@ -11,7 +11,7 @@ namespace vrc {
 
 struct PlotSeries {
   std::string name;
-  std::vector<Vec2> points;  ///< Both coordinates positive; drawn in this order, joined by lines.
+  std::vector<Vec2> points;  ///< Finite; drawn in this order, joined by lines.
 };
 
 struct PlotPanel {
@@ -19,9 +19,13 @@ struct PlotPanel {
   std::vector<PlotSeries> series;
 };
 
-/// Panels side by side on logarithmic axes, as a document of Scalable Vector Graphics. Series of one name
-/// have one colour (of four that also differ without colour vision, and in shape); a legend tells which.
+/// What a plot is drawn on: white, or a page whose colour and font of text it takes over.
+enum class PlotPaper { kWhite, kPage };
+
+/// Panels side by side, as a document of Scalable Vector Graphics. An axis is logarithmic if all its values
+/// are positive, otherwise linear. Series of one name have one colour (of six that also differ without
+/// colour vision) and shape; a legend tells which.
 [[nodiscard]] std::string plot_svg(std::span<const PlotPanel> panels, const std::string& x_label,
-                                   const std::string& y_label);
+                                   const std::string& y_label, PlotPaper paper = PlotPaper::kWhite);
 
 }  // namespace vrc

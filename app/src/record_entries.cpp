@@ -2,6 +2,7 @@
 #include "record_entries.h"
 
 #include <cmath>
+#include <limits>
 
 #include "core/parallel.h"
 #include "placement/surface_reach.h"
@@ -13,6 +14,28 @@ void set_gathered(RecordMapEntry& entry, const RadianceEstimate& estimate) {
   entry.luminance_deviation = static_cast<float>(std::sqrt(std::max(0.0, estimate.variance.value)));
   entry.nearest_hit = static_cast<float>(estimate.hits.nearest);
   entry.mean_hit = static_cast<float>(1.0 / estimate.hits.mean_inverse);  // infinite for 0
+}
+
+/// How the film position of a point moves with the point, to first order. [pixels]
+Vec2 film_displacement(const Camera& camera, const Vec3& point, const Vec3& step) {
+  const Vec3 d = point - camera.origin;
+  const double depth = d.dot(camera.forward);
+  const Vec3 across = (step - step.dot(camera.forward) / depth * d) / (depth * camera.pixel_size());
+  return {across.dot(camera.right), -across.dot(camera.up)};
+}
+
+void set_film(RecordMapEntry& entry, const Camera& camera, const ValidRegion& region) {
+  if (!((region.center - camera.origin).dot(camera.forward) > 0.0)) {
+    entry.film = entry.film_axis1 = entry.film_axis2 =
+        Vec2f::Constant(std::numeric_limits<float>::quiet_NaN());
+    return;
+  }
+  const auto moved = [&](const Vec3& step) {
+    return film_displacement(camera, region.center, step).cast<float>().eval();
+  };
+  entry.film = camera.film_position(region.center).cast<float>();
+  entry.film_axis1 = moved(region.radius1 * region.axis1);
+  entry.film_axis2 = moved(region.radius2 * region.axis2);
 }
 
 RecordMapEntry entry_of(const SceneCharts& charts, const RadianceRecord& record) {
@@ -47,6 +70,8 @@ RecordMapEntry entry_of(const SceneCharts& charts, const RadianceRecord& record)
   entry.patch = charts.patch_of(point.triangle);
   entry.uv =
       charts.uv(point.triangle, static_cast<double>(point.u), static_cast<double>(point.v)).cast<float>();
+  entry.rays = record.rays;
+  set_film(entry, charts.scene().camera(), region);
   return entry;
 }
 

@@ -22,7 +22,8 @@ Examples:
   vrc records scenes/curved_room.xml -o records.vtp -o records.csv --ellipses ellipses.ply
   vrc records scenes/half_box.xml --records 5000 --overlay half_box.png
 Maps hold for every record where it is (also face, chart and u, v), its region (r1 r2, e1 e2), radiance,
-gradient and Hessian, and how its surface bends (deviation, curvature, reason; needs_sh is 1 where the
+gradient and Hessian, its place and half axes in the picture (px py, p1x p1y, p2x p2y, in pixels from the
+upper left corner), its rays, and how its surface bends (deviation, curvature, reason; needs_sh is 1 where the
 paper would use spherical harmonics, is_sh where the record does, sh_reason why). .ply opens in MeshLab, Blender and CloudCompare, .vtp in ParaView.
 The overlay draws the ellipses at half their size, as they overlap: blue for Taylor records, orange for
 those of spherical harmonics. The same command gives the same files at any number of threads.)";

@@ -129,6 +129,13 @@ void add_place(RecordArrays& a) {
   a.vector("uv", {"u", "v"}, [](const auto& r) { return r.uv; });
 }
 
+void add_picture(RecordArrays& a) {
+  a.scalar("rays", [](const auto& r) { return r.rays; });
+  a.vector("film", {"px", "py"}, [](const auto& r) { return r.film; });
+  a.vector("film_axis1", {"p1x", "p1y"}, [](const auto& r) { return r.film_axis1; });
+  a.vector("film_axis2", {"p2x", "p2y"}, [](const auto& r) { return r.film_axis2; });
+}
+
 }  // namespace
 
 SurfaceExport record_map(std::span<const RecordMapEntry> records) {
@@ -149,6 +156,7 @@ SurfaceExport record_map(std::span<const RecordMapEntry> records) {
   add_radiance(a);
   add_curvature(a);
   add_place(a);
+  add_picture(a);
   points.vertex_arrays = a.take();
   return points;
 }

@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "io/atomic_file.h"
+#include "io/base64.h"
 #include "io/surface_export.h"
 #include "io/xml_text.h"
 #include "surface_export_check.h"
@@ -17,21 +18,6 @@ constexpr const char* vtk_type(float) { return "Float32"; }
 constexpr const char* vtk_type(std::int32_t) { return "Int32"; }
 constexpr const char* vtk_type(std::uint8_t) { return "UInt8"; }
 
-/// RFC 4648 with padding.
-void append_base64(std::string& text, std::string_view bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t word = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      word = (word << 8) | (k < count ? static_cast<std::uint8_t>(bytes[i + k]) : 0u);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += k <= count ? kDigits[(word >> (18 - 6 * k)) & 63u] : '=';
-    }
-  }
-}
-
 template <typename T>
 void append_data_array(std::string& xml, const std::string& name, std::size_t components,
                        const std::vector<T>& values) {
@@ -42,7 +28,7 @@ void append_data_array(std::string& xml, const std::string& name, std::size_t co
   std::string bytes(sizeof(size) + size, '\0');
   std::memcpy(bytes.data(), &size, sizeof(size));
   if (size > 0) std::memcpy(bytes.data() + sizeof(size), values.data(), size);
-  append_base64(xml, bytes);
+  xml += base64(bytes);
   xml += "</DataArray>\n";
 }
 

@@ -46,6 +46,18 @@ TEST_F(PlotCommand, DrawsAPanelForEachSceneOnLogarithmicAxes) {
   EXPECT_EQ(std::distance(lines.begin(), lines.end()), 3);
 }
 
+TEST_F(PlotCommand, ManyDecadesGetFewLabels) {
+  const std::string bench = R"({"scenes": [{"scene": "a.xml", "rows": [
+    {"cache": {"cpu_seconds": 1e-9, "relmse": 1e-2}, "path": {"cpu_seconds": 1e9, "relmse": 1.0}}]}]})";
+  const auto result = run_vrc({"plot", file("bench.json", bench), "-o", at("a.svg")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  pugi::xml_document svg;
+  ASSERT_TRUE(svg.load_file(at("a.svg").c_str()));
+  std::size_t labels = 0;
+  for (const pugi::xml_node& text : svg.child("svg").children("text")) labels += text.child("tspan") ? 1 : 0;
+  EXPECT_EQ(labels, 10u + 3u);  // every second of 19 powers of ten, and 3
+}
+
 TEST_F(PlotCommand, SaysWhatIsWrongWithItsInput) {
   const struct {
     std::string input;

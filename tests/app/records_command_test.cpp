@@ -10,6 +10,7 @@
 #include "io/image_io.h"
 #include "run_program.h"
 #include "support.h"
+#include "transport/camera.h"
 
 namespace vrc {
 namespace {
@@ -39,7 +40,7 @@ TEST_F(RecordsCommand, HelpListsItsOutputsAndTheOptionsOfTheCache) {
   EXPECT_EQ(help.exit_code, 0);
   for (const char* option : {"-o,--output", "--ellipses", "--overlay", "--stats", "--exposure", "--error",
                              "--records", "--sampler", "--size", "--seed", "-D,--define", "--bounces",
-                             "--threads", "--quiet", "Examples:", "needs_sh"}) {
+                             "--threads", "--quiet", "Examples:", "needs_sh", "px py"}) {
     EXPECT_THAT(help.out, HasSubstr(option));
   }
   EXPECT_THAT(help.out, testing::Not(HasSubstr("--method")));
@@ -85,6 +86,33 @@ TEST_F(RecordsCommand, WritesMapsEllipsesAndStatistics) {
   std::set<double> records;
   for (const auto& v : ellipses.vertices) records.insert(v.at("record"));
   EXPECT_EQ(records.size(), map.vertices.size());
+}
+
+TEST_F(RecordsCommand, MapsPlaceRecordsInThePicture) {
+  ASSERT_EQ(run_vrc(command("records", {"-o", at("a.ply")})).exit_code, 0);
+  const Camera camera = look_at(Vec3(0, 1, 4), Vec3(0, 0.5, 0), Vec3::UnitY(), 45.0, 32, 24);
+  const test::ExportedPly map = test::read_exported_ply(at("a.ply"));
+  ASSERT_GT(map.vertices.size(), 10u);
+  for (const auto& v : map.vertices) {
+    const auto vector = [&](const std::string& name) {
+      return Vec3(v.at(name + "x"), v.at(name + "y"), v.at(name + "z"));
+    };
+    const Vec3 position = vector("");
+    const Vec2 film(v.at("px"), v.at("py"));
+    EXPECT_LT((film - camera.film_position(position)).norm(), 1e-3);
+    EXPECT_GT(film.minCoeff(), 0.0);  // records are where the camera sees something
+    EXPECT_LT(film.x(), 32.0);
+    EXPECT_LT(film.y(), 24.0);
+    for (const std::string axis : {"1", "2"}) {
+      constexpr double kStep = 1e-3;
+      const Vec3 half = kStep * v.at("r" + axis) * vector("e" + axis);
+      const Vec2 difference =
+          (camera.film_position(position + half) - camera.film_position(position - half)) / (2.0 * kStep);
+      const Vec2 given(v.at("p" + axis + "x"), v.at("p" + axis + "y"));
+      EXPECT_LT((given - difference).norm(), 2e-3 * (1.0 + difference.norm()));
+    }
+    EXPECT_GE(v.at("rays"), 256);
+  }
 }
 
 TEST_F(RecordsCommand, PlacesTheRecordsThatRenderUses) {

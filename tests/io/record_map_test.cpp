@@ -38,6 +38,10 @@ std::vector<RecordMapEntry> two_records() {
   a.face = 123456;
   a.patch = 9;
   a.uv = {-1.5f, 0.1f};
+  a.rays = 8192;
+  a.film = {12.5f, 40.25f};
+  a.film_axis1 = {3, -4};
+  a.film_axis2 = {0.5f, 0.25f};
   RecordMapEntry b = a;
   b.position = {-1, 0, 0};
   b.radius1 = 4.0f;
@@ -90,7 +94,14 @@ const std::map<std::string, double>& first_record() {
                                                     {"face", 123456},
                                                     {"patch", 9},
                                                     {"u", -1.5},
-                                                    {"v", 0.1}};
+                                                    {"v", 0.1},
+                                                    {"rays", 8192},
+                                                    {"px", 12.5},
+                                                    {"py", 40.25},
+                                                    {"p1x", 3},
+                                                    {"p1y", -4},
+                                                    {"p2x", 0.5},
+                                                    {"p2y", 0.25}};
   return values;
 }
 

@@ -34,19 +34,26 @@ struct RecordMapEntry {
   std::uint32_t patch = kInvalidIndex;  ///< Chart of the scene, and where in it.
   Vec2f uv = Vec2f::Zero();
   HarmonicsReason harmonics_reason = HarmonicsReason::kNone;
+  std::uint64_t rays = 0;  ///< That were gathered.
+  /// In the picture, in pixels from its upper left corner: the position, and what the half axes become to
+  /// first order, so that the rim is film + cos(t) film_axis1 + sin(t) film_axis2. NaN behind the camera.
+  Vec2f film = Vec2f::Zero();
+  Vec2f film_axis1 = Vec2f::Zero();
+  Vec2f film_axis2 = Vec2f::Zero();
 };
 
 /// One point for each record, with the properties
 ///   x y z nx ny nz, red green blue, quality, radius, r1 r2, e1x e1y e1z e2x e2y e2z, L_r L_g L_b,
 ///   L_stddev, g1 g2, h11 h12 h22, clamp_factor, nearest_hit, mean_hit, deviation, curvature,
-///   relative_curvature, exponent, reason, is_sh, sh_reason, needs_sh, region, face, patch, u v.
+///   relative_curvature, exponent, reason, is_sh, sh_reason, needs_sh, region, face, patch, u v, rays,
+///   px py, p1x p1y, p2x p2y.
 /// `quality` is the largest |eigenvalue| of the Hessian and `radius` is sqrt(r1 r2). `deviation` is the
 /// angle by which the normal turns in the region [rad], `needs_sh` is 1 where it is above theta_max, and
 /// `reason` says what decided: 0 flat, 1 turns-little, 2 ellipse-turns, 3 surface-turns. `is_sh` is 1
 /// for records that hold spherical harmonics, and `sh_reason` says why: 0 none, 1 always, 2 turns,
-/// 3 replaces-many, 4 narrow. In .csv files reasons are words. Absent numbers are -1. Colours map the
-/// logarithm of `radius` over the range of the file, dark for small; records of spherical harmonics are
-/// orange.
+/// 3 replaces-many, 4 narrow. `px` to `p2y` are the record's position and half axes in the picture [pixels].
+/// In .csv files reasons are words. Absent numbers are -1. Colours map the logarithm of `radius` over the
+/// range of the file, dark for small; records of spherical harmonics are orange.
 [[nodiscard]] SurfaceExport record_map(std::span<const RecordMapEntry> records);
 
 /// The records' ellipses on the surface, those of record i being ellipses[i], with the arrays

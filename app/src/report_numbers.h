@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace vrc {
+
+/// Three digits as a reader likes them: 0.0123, 18, 13 100, 1.2 x 10^-4 (with the signs and superscripts of
+/// typography, in UTF-8).
+[[nodiscard]] std::string readable(double value);
+
+/// All digits, in groups of three.
+[[nodiscard]] std::string readable(std::int64_t value);
+
+}  // namespace vrc

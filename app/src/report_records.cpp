@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "report_records.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "cli_values.h"
+#include "core/error.h"
+#include "report_pack.h"
+
+namespace vrc {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array kPlaces = {"px", "py"};
+constexpr std::array kRequired = {"px", "py", "p1x", "p1y", "p2x", "p2y"};
+constexpr std::array kNumbers = {"p1x", "p1y", "p2x",      "p2y", "r1", "r2",   "L_r",
+                                 "L_g", "L_b", "L_stddev", "g1",  "g2", "rays", "is_sh"};
+constexpr std::array kWords = {"reason", "sh_reason"};
+
+/// Line by line; cells are found by the names in the first line.
+class RecordTable {
+ public:
+  explicit RecordTable(const fs::path& path) : path_(path), in_(path, std::ios::binary) {
+    if (!in_ || !std::getline(in_, line_)) fail("cannot be read; give a record map of vrc in .csv");
+    line_number_ = 1;
+    header_ = line_;
+    if (!header_.empty() && header_.back() == '\r') header_.pop_back();
+    const auto names = split(header_, ',');
+    for (std::size_t i = 0; i < names.size(); ++i) columns_.emplace(names[i], i);
+    for (const char* name : kRequired) {
+      if (!has(name))
+        fail(fmt::format("has no column '{}'; write it with --record-map of this version of vrc", name));
+    }
+  }
+
+  /// Goes to the next record; false after the last.
+  [[nodiscard]] bool next() {
+    do {
+      if (!std::getline(in_, line_)) return false;
+      ++line_number_;
+      if (!line_.empty() && line_.back() == '\r') line_.pop_back();
+    } while (line_.empty());
+    cells_ = split(line_, ',');
+    if (cells_.size() != columns_.size())
+      fail(fmt::format("has {} values for {} columns; write the file again", cells_.size(), columns_.size()));
+    return true;
+  }
+  [[nodiscard]] bool has(const std::string& name) const { return columns_.contains(name); }
+  [[nodiscard]] std::string_view word(const std::string& name) const { return cells_[columns_.at(name)]; }
+  [[nodiscard]] float number(const std::string& name) const {
+    const std::string_view cell = word(name);
+    float value = 0.0f;
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    if (error == std::errc::result_out_of_range) return 0.0f;
+    if (error != std::errc() || end != cell.data() + cell.size())
+      fail(fmt::format("'{}' of column '{}' is no number; write the file again", cell, name));
+    return value;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& problem) const {
+    throw InputError(path_.string(), line_number_, problem);
+  }
+
+  fs::path path_;
+  std::ifstream in_;
+  std::string header_, line_;
+  std::size_t line_number_ = 0;
+  std::map<std::string, std::size_t, std::less<>> columns_;
+  std::vector<std::string_view> cells_;
+};
+
+/// The values of the columns that are shown, record by record.
+struct RecordColumns {
+  std::map<std::string, std::vector<float>> numbers;
+  std::map<std::string, std::vector<std::string>> words;
+  std::size_t count = 0;
+};
+
+/// Within one picture beyond each border.
+bool is_near(float x, float y, int width, int height) {
+  const auto w = static_cast<float>(width), h = static_cast<float>(height);
+  return x >= -w && x <= 2.0f * w && y >= -h && y <= 2.0f * h;
+}
+
+RecordColumns read_columns(const fs::path& path, int width, int height) {
+  RecordTable table(path);
+  RecordColumns columns;
+  while (table.next()) {
+    if (!is_near(table.number("px"), table.number("py"), width, height)) continue;
+    for (const char* name : kPlaces) columns.numbers[name].push_back(table.number(name));
+    for (const char* name : kNumbers) {
+      if (table.has(name)) columns.numbers[name].push_back(table.number(name));
+    }
+    for (const char* name : kWords) {
+      if (table.has(name)) columns.words[name].emplace_back(table.word(name));
+    }
+    ++columns.count;
+  }
+  return columns;
+}
+
+void append_place(PackedRecords& packed, const char* name, const std::vector<float>& values, int size) {
+  const double low = -size, step = 3.0 * size / 65535.0;
+  std::vector<std::uint16_t> bits;
+  bits.reserve(values.size());
+  for (const float v : values)
+    bits.push_back(static_cast<std::uint16_t>(std::clamp(std::round((v - low) / step), 0.0, 65535.0)));
+  packed.columns.push_back({{"name", name}, {"low", low}, {"step", step}});
+  packed.bytes += split_bytes(bits);
+}
+
+void append_numbers(PackedRecords& packed, const std::string& name, const std::vector<float>& values) {
+  const HalfScale scale(values);
+  std::vector<std::uint16_t> bits;
+  bits.reserve(values.size());
+  for (const float v : values) bits.push_back(scale(v));
+  packed.columns.push_back({{"name", name}, {"exponent", scale.exponent}});
+  packed.bytes += split_bytes(bits);
+}
+
+void append_words(PackedRecords& packed, const std::string& name, const std::vector<std::string>& values) {
+  std::vector<std::string> words;
+  std::vector<std::uint16_t> bits;
+  bits.reserve(values.size());
+  for (const std::string& value : values) {
+    const auto found = std::ranges::find(words, value);
+    bits.push_back(static_cast<std::uint16_t>(found - words.begin()));
+    if (found == words.end()) words.push_back(value);
+  }
+  packed.columns.push_back({{"name", name}, {"words", words}});
+  packed.bytes += split_bytes(bits);
+}
+
+}  // namespace
+
+PackedRecords pack_records(const fs::path& path, int width, int height) {
+  const RecordColumns columns = read_columns(path, width, height);
+  PackedRecords packed{columns.count, nlohmann::ordered_json::array(), {}};
+  if (columns.count == 0) return packed;
+  append_place(packed, "px", columns.numbers.at("px"), width);
+  append_place(packed, "py", columns.numbers.at("py"), height);
+  for (const char* name : kNumbers) {
+    if (columns.numbers.contains(name)) append_numbers(packed, name, columns.numbers.at(name));
+  }
+  for (const char* name : kWords) {
+    if (columns.words.contains(name)) append_words(packed, name, columns.words.at(name));
+  }
+  return packed;
+}
+
+}  // namespace vrc
