@@ -68,6 +68,13 @@ CacheOptions hybrid(HarmonicsRule rule) {
   return options;
 }
 
+/// The paper's records of radiance alone, on curved surfaces too.
+CacheOptions paper_flat() {
+  CacheOptions options = paper_preset({});
+  options.representation = Representation::kAnalytic;
+  return options;
+}
+
 /// Derivatives and weights that do not know the curvature [Zhao eq. 10-11, 14].
 CacheOptions flat(CacheOptions options) {
   options.total_derivative = options.joint_weight = false;
@@ -87,6 +94,7 @@ const std::vector<std::pair<std::string, CacheOptions>>& all_variants() {
       {"sh10", harmonics(10)},
       {"sh16", harmonics(16)},
       {"sh24", harmonics(24)},
+      {"paper-flat", paper_flat()},
       {"paper", paper_preset({})},
       {"paper-total", hybrid(HarmonicsRule::kPaper)},
       {"auto", hybrid(HarmonicsRule::kAuto)},
