@@ -317,3 +317,65 @@ def spun(point, along, around):
     if mesh.volume() < 0.0:
         mesh.flip()
     return mesh
+
+
+def ribbon(path, section):
+    """A bar along a path (x, y, tangent) in the plane z = 0: its section is a closed line of samples (across, z,
+    tangent), its outside on the right. Across points to the path's right. It ends with flat caps."""
+    mesh = Mesh()
+
+    def ring(sample, cap):
+        x, y, tx, ty = sample
+        result = []
+        for across, z, ta, tz in section:
+            side, up = (tz, -ta) if cap == 0.0 else (0.0, 0.0)
+            normal = (side * ty + cap * tx, -side * tx + cap * ty, up)
+            result.append(mesh.add_vertex((x + across * ty, y - across * tx, z), normal))
+        return result
+
+    rings = [ring(sample, 0.0) for sample in path]
+    join_rings(mesh, rings)
+    begin, end = ring(path[0], -1.0), ring(path[-1], 1.0)
+    mesh.faces.append(tuple(begin))
+    mesh.faces.append(tuple(reversed(end)))
+    if mesh.volume() < 0.0:
+        mesh.faces = [face[::-1] for face in mesh.faces]
+    return mesh
+
+
+def shell(point, thickness, columns, rows):
+    """A plate whose outer side is point(u, v) for u and v from 0 to 1, its inner side `thickness` below. The outer
+    side is on the right of u when v goes up."""
+    step = 1e-5
+    mesh = Mesh()
+
+    def sample(i, j):
+        u, v = i / columns, j / rows
+        du = difference(point(u + step, v), point(u - step, v))
+        dv = difference(point(u, v + step), point(u, v - step))
+        return point(u, v), unit(cross(du, dv))
+
+    outer = [[sample(i, j) for j in range(rows + 1)] for i in range(columns + 1)]
+
+    def below(p, n):
+        return tuple(p[k] - thickness * n[k] for k in range(3))
+
+    def add_grid(depth, sign):
+        grid = [
+            [mesh.add_vertex(below(p, n) if depth else p, tuple(sign * c for c in n)) for p, n in column]
+            for column in outer
+        ]
+        for a, b in zip(grid, grid[1:]):
+            for j in range(rows):
+                face = (a[j], b[j], b[j + 1], a[j + 1])
+                mesh.faces.append(face if sign > 0.0 else face[::-1])
+
+    add_grid(False, 1.0)
+    add_grid(True, -1.0)
+    border = [outer[i][0] for i in range(columns)] + [outer[columns][j] for j in range(rows)]
+    border += [outer[columns - i][rows] for i in range(columns)] + [outer[0][rows - j] for j in range(rows)]
+    for (p, n), (q, m) in zip(border, border[1:] + border[:1]):
+        corners = (p, below(p, n), below(q, m), q)
+        normal = unit(cross(difference(corners[1], p), difference(corners[3], p)))
+        mesh.faces.append(tuple(mesh.add_vertex(corner, normal) for corner in corners))
+    return mesh
