@@ -15,7 +15,20 @@ import pathlib
 import sys
 from collections import defaultdict
 
-from mesh_shapes import faceted, revolve, revolve_loop, ribbon, rounded_path, shell, sphere, spun, turned_profile
+from mesh_shapes import (
+    cross,
+    difference,
+    faceted,
+    revolve,
+    revolve_loop,
+    ribbon,
+    rounded_path,
+    shell,
+    sphere,
+    spun,
+    turned_profile,
+    unit,
+)
 from mesh_writer import SCENE_MESHES, Mesh, frame, rotation, scaling, translation, write_meshes
 
 BAND = 0.43  # height
@@ -234,7 +247,7 @@ def add_lily(crown, angle, is_front):
         return [*on_band(math.degrees(size * s), base + size * y, size * z), turn]
 
     crown.add(
-        "gold", sphere(1.0, 40, 20), scaling(size * 0.115, size * 0.03, size * 0.055), *on_band(0.0, collar, 0.0), turn
+        "gold", sphere(1.0, 40, 20), scaling(size * 0.118, size * 0.036, size * 0.075), *on_band(0.0, collar, 0.0), turn
     )
     for side in (-1, 1):
         crown.pearl(size * 0.034, *at(side * 0.197, 0.36, 0.012))
@@ -278,6 +291,16 @@ def mitre_point(alpha, beta, out=0.0):
     across, up = MITRE[0] + out, MITRE[1] + out
     rho = math.cos(beta)
     return (across * math.sin(beta), MITRE_BASE + up * rho * math.sin(alpha), across * rho * math.cos(alpha))
+
+
+def on_mitre_frame(alpha, beta, out=0.0):
+    """The frame of a thing on the dome, its z outwards and its y along alpha; both angles in degrees."""
+    alpha, beta = math.radians(alpha), math.radians(beta)
+    x, y, z = mitre_point(alpha, beta)
+    outwards = unit((x / MITRE[0] ** 2, (y - MITRE_BASE) / MITRE[1] ** 2, z / MITRE[0] ** 2))
+    right = unit(difference(mitre_point(alpha, beta + 1e-5), mitre_point(alpha, beta - 1e-5)))
+    origin = (x + out * outwards[0], y + out * outwards[1], z + out * outwards[2])
+    return frame(right, cross(outwards, right), outwards, origin)
 
 
 def add_mitre(crown):
@@ -324,6 +347,11 @@ def add_mitre(crown):
         for i in range(count):
             x, y, z = mitre_point(math.radians(8.0 + 164.0 * i / (count - 1)), begin + 0.075, 0.008)
             crown.pearl(0.026, translation(x, y, z), flip)
+        for i, alpha in enumerate(range(24, 160, 22)):
+            stone = ("ruby", "emerald", "sapphire")[i % 3]
+            crown.set_stone(stone, 0.034, 0.046, on_mitre_frame(alpha, 27.0, 0.004), flip)
+            for offset in (-5.0, 5.0):
+                crown.pearl(0.015, on_mitre_frame(alpha + offset, 27.0, 0.008), flip)
     dome = revolve(
         turned_profile(
             [(0.0, 0.06), (0.9, 0.06, 0.04), (0.885, 1.3, 0.86), (0.0, 1.305)], max_step=0.05, max_turn=math.radians(5)
