@@ -355,7 +355,7 @@ def woodwork():
         )
     edge = [(0.0, 0.0), (0.05, 0.0, 0.006), (0.05, 0.02, 0.006), (0.0, 0.02)]
     board = revolve(turned_profile(edge, max_step=0.03), 32, (0.09, 0.14))
-    mesh.add(board, rotation("x", 78.0), translation(1.02, WORKTOP + 0.192, 0.055))
+    mesh.add(board, rotation("x", 78.0), translation(1.02, WORKTOP + 0.185, 0.0468))
     for angle, lean, height in ((20.0, 12.0, 0.285), (150.0, 14.0, 0.27), (265.0, 10.0, 0.30)):
         place = [
             rotation("z", -lean),
