@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <map>
+#include <string>
+#include <utility>
 
 #include "core/error.h"
 #include "io/scene_reader.h"
@@ -742,6 +745,8 @@ TEST(Mitsuba, DamagedScenesAreReadOrRefused) {
 // The scenes of this repository.
 
 TEST(Mitsuba, OwnScenesLoadCleanly) {
+  const std::map<std::string, std::pair<int, int>> films = {
+      {"pots", {640, 480}}, {"kitchen", {1024, 768}}, {"kitchen_pots", {640, 480}}, {"crown", {1280, 768}}};
   int count = 0;
   for (const auto& entry :
        std::filesystem::directory_iterator(std::filesystem::path(VRC_SOURCE_DIR) / "scenes")) {
@@ -751,9 +756,10 @@ TEST(Mitsuba, OwnScenesLoadCleanly) {
     const SceneDescription scene = read_scene(entry.path());
     EXPECT_THAT(scene.warnings, IsEmpty());
     EXPECT_THAT(scene.notes, IsEmpty());
-    const bool wide = entry.path().stem() == "pots";
-    EXPECT_EQ(scene.camera.width, wide ? 640 : 512);
-    EXPECT_EQ(scene.camera.height, wide ? 480 : 512);
+    const auto film = films.find(entry.path().stem().string());
+    const auto [width, height] = film == films.end() ? std::pair{512, 512} : film->second;
+    EXPECT_EQ(scene.camera.width, width);
+    EXPECT_EQ(scene.camera.height, height);
     EXPECT_EQ(scene.samples_per_pixel, 16);
     EXPECT_EQ(scene.max_depth, 3);
     EXPECT_EQ(scene.film.filter, PixelFilter::kBox);
