@@ -18,7 +18,9 @@ constexpr double kHardError = 8.0;
 // Relative variance that one guided ray is taken to have, over four: rays of a half times the square of the
 // accepted error.
 constexpr double kHalfRays = 0.07;
-constexpr int kLog2MostRays = 12;       // of a half
+constexpr int kLog2MostRays = 12;  // of a half
+// Pixels that stay hard get 2^kLog2Further times the rays once more, up to kFurtherRounds times.
+constexpr int kLog2Further = 2, kFurtherRounds = 3;
 constexpr int kAround = 4;              // pixels of the neighbourhood that is averaged
 constexpr float kSpread = 2.0f;         // deviation of its weights
 constexpr float kSimilarNormal = 0.9f;  // cosine of normals that are averaged
@@ -135,9 +137,30 @@ void HardPixels::gather(std::vector<Sampled> chosen, const RunControl& control, 
   gather_at(chosen, control, counts);
   if (control.stopped()) return;
   for (const Sampled& s : chosen) {
-    sampled_at_[index_of(s.pixel)] = static_cast<std::int32_t>(sampled_.size());
+    std::int32_t& at = sampled_at_[index_of(s.pixel)];
+    if (at >= 0) {
+      sampled_[static_cast<std::size_t>(at)] = s;
+      continue;
+    }
+    at = static_cast<std::int32_t>(sampled_.size());
     sampled_.push_back(s);
     if (s.hard) ++count_;
+  }
+}
+
+void HardPixels::gather_further(const RunControl& control, RayCounts& counts) {
+  for (int round = 0; round < kFurtherRounds && !control.stopped(); ++round) {
+    find_detail();
+    std::vector<float> left(sampled_.size());
+    parallel_for(sampled_.size(), [&](std::size_t i) {
+      if (sampled_[i].hard) left[i] = correction_of(sampled_[i].pixel).error;
+    });
+    std::vector<Sampled> chosen;
+    for (std::size_t i = 0; i < sampled_.size(); ++i) {
+      if (left[i] > accepted()) chosen.push_back(sampled_[i]);
+    }
+    if (chosen.empty()) return;
+    gather(std::move(chosen), control, counts);
   }
 }
 
@@ -175,22 +198,30 @@ void HardPixels::gather_in_tile(std::span<Sampled> chosen, RayCounts& counts) co
       points[at].insert(points[at].end(), begin, begin + tile.packets_per_pixel);
     }
   });
-  const int log2_rays = log2_rays_of_half(options_.error);
   PixelGatherer::Surfaces surfaces;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     Sampled& s = chosen[i];
     const PixelFacts& facts = facts_[index_of(s.pixel)];
     const float* pixel = image_.pixel(s.pixel.x, s.pixel.y) + first_;
     const Rgb interpolated(pixel[0], pixel[1], pixel[2]);
+    const int log2_rays =
+        s.rays > 0.0 ? static_cast<int>(std::log2(s.rays)) + kLog2Further : log2_rays_of_half(options_.error);
+    const double rays = std::exp2(log2_rays);
+    const auto share = static_cast<float>(rays / (s.rays + rays));
+    Rgb residual = Rgb::Zero();
     for (std::size_t half = 0; half < 2; ++half) {
-      const std::array<double, 3> sum =
-          gatherer_.gather(points[i], log2_rays, hash(s.pixel.x, s.pixel.y, half), surfaces, counts);
+      const std::array<double, 3> sum = gatherer_.gather(
+          points[i], log2_rays, hash(s.pixel.x, s.pixel.y, half + 2 * static_cast<std::size_t>(s.rays)),
+          surfaces, counts);
       Rgb light;
       for (int c = 0; c < 3; ++c)
         light[c] = static_cast<float>(sum[static_cast<std::size_t>(c)] / facts.samples);
-      s.residual += 0.5f * (light - interpolated);
-      s.difference[half] = (luminance(light) - facts.luminance) / scale_of(facts);
+      residual += 0.5f * (light - interpolated);
+      const float difference = (luminance(light) - facts.luminance) / scale_of(facts);
+      s.difference[half] += share * (difference - s.difference[half]);
     }
+    s.residual += share * (residual - s.residual);
+    s.rays += rays;
     s.bias = s.difference[0] * s.difference[1];
     s.noise = 0.25f * (s.difference[0] - s.difference[1]) * (s.difference[0] - s.difference[1]);
   }
@@ -350,6 +381,7 @@ void HardPixels::refine(const TileLayout& layout, const RunControl& control, Ray
   gather(survey(layout), control, counts);
   calibrate(layout);
   gather_hard(layout, timer, control, counts);
+  if (options_.seconds == 0.0) gather_further(control, counts);
   if (control.stopped()) return;
   blend(layout);
   sum_up(layout);

@@ -52,7 +52,8 @@ class HardPixels {
   struct Sampled {
     Pixel pixel;
     std::size_t tile;
-    bool hard;  ///< false: of the survey alone.
+    bool hard;          ///< false: of the survey alone.
+    double rays = 0.0;  ///< Of each of the two gathers.
     /// Indirect light by the mean of two gathers of independent rays, less what the records say.
     Rgb residual = Rgb::Zero();
     // Of luminance, relative to `perceived`:
@@ -84,7 +85,9 @@ class HardPixels {
   [[nodiscard]] std::vector<Sampled> candidates(const TileLayout& layout) const;
   void gather_hard(const TileLayout& layout, const PhaseTimer& timer, const RunControl& control,
                    RayCounts& counts);
-  /// Gathers at the chosen pixels and adds them to `sampled_`.
+  /// Gathers more rays where what was gathered leaves pixels hard.
+  void gather_further(const RunControl& control, RayCounts& counts);
+  /// Gathers at the chosen pixels, with more rays at those that have some, and puts them into `sampled_`.
   void gather(std::vector<Sampled> chosen, const RunControl& control, RayCounts& counts);
   void gather_at(std::vector<Sampled>& chosen, const RunControl& control, RayCounts& counts) const;
   void gather_in_tile(std::span<Sampled> chosen, RayCounts& counts) const;
