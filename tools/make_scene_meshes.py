@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes the curved meshes of scenes/: pots, bowls, a torus and tiles, as binary PLY with exact normals.
+"""Writes the small curved meshes of scenes/: pots, bowls, a torus and tiles, as binary PLY with exact normals.
 
     python3 tools/make_scene_meshes.py            # into scenes/meshes
     python3 tools/make_scene_meshes.py FOLDER     # elsewhere
@@ -11,190 +11,10 @@ the same bytes. It needs Python 3 and nothing else.
 
 import math
 import pathlib
-import struct
 import sys
 
-SMALL_RADIUS = 0.025  # roundings that are too small in the picture to need many faces
-DEFAULT_FOLDER = pathlib.Path(__file__).resolve().parent.parent / "scenes" / "meshes"
-
-
-class Mesh:
-    """Vertices with normals and polygons, counter-clockwise seen from outside."""
-
-    def __init__(self):
-        self.vertices = []
-        self.faces = []
-
-    def add_vertex(self, position, normal):
-        self.vertices.append((*position, *normal))
-        return len(self.vertices) - 1
-
-    def volume(self):
-        total = 0.0
-        for face in self.faces:
-            a = self.vertices[face[0]]
-            for i, j in zip(face[1:], face[2:]):
-                b, c = self.vertices[i], self.vertices[j]
-                total += (
-                    a[0] * (b[1] * c[2] - b[2] * c[1])
-                    + a[1] * (b[2] * c[0] - b[0] * c[2])
-                    + a[2] * (b[0] * c[1] - b[1] * c[0])
-                )
-        return total / 6.0
-
-    def write(self, path):
-        assert self.volume() > 0.0, f"{path.name} is inside out"
-        lines = ["ply", "format binary_little_endian 1.0", f"element vertex {len(self.vertices)}"]
-        lines += [f"property float {name}" for name in ("x", "y", "z", "nx", "ny", "nz")]
-        lines += [f"element face {len(self.faces)}", "property list uchar ushort vertex_indices", "end_header"]
-        data = bytearray("\n".join(lines).encode() + b"\n")
-        for vertex in self.vertices:
-            # Rounded, so that the last bits of a machine's sine do not show; + 0.0 makes -0 into 0.
-            data += struct.pack("<6f", *(round(value, 7) + 0.0 for value in vertex))
-        for face in self.faces:
-            data += struct.pack(f"<B{len(face)}H", len(face), *face)
-        path.write_bytes(data)
-
-
-def rounded_path(corners, max_step, max_turn):
-    """Samples (x, y, tangent x, tangent y) of a polygonal line with rounded corners.
-
-    corners: (x, y) of the ends, (x, y, radius) between. max_step: length of the pieces of straight lines;
-    max_turn: of arcs, in radians, twice as much in small ones.
-    """
-    samples = []
-
-    def add(x, y, tx, ty):
-        if not samples or math.hypot(x - samples[-1][0], y - samples[-1][1]) > 1e-7:
-            samples.append((x, y, tx, ty))
-
-    def add_line(x0, y0, x1, y1, tx, ty):
-        count = max(1, math.ceil(math.hypot(x1 - x0, y1 - y0) / max_step))
-        for i in range(count + 1):
-            add(x0 + (x1 - x0) * i / count, y0 + (y1 - y0) * i / count, tx, ty)
-
-    def direction(a, b):
-        length = math.hypot(b[0] - a[0], b[1] - a[1])
-        return (b[0] - a[0]) / length, (b[1] - a[1]) / length
-
-    x, y = corners[0]
-    for before, corner, after in zip(corners, corners[1:], corners[2:]):
-        (ax, ay), (bx, by) = direction(before, corner), direction(corner, after)
-        turn = math.atan2(ax * by - ay * bx, ax * bx + ay * by)
-        radius = corner[2]
-        cut = radius * math.tan(abs(turn) / 2)
-        start = corner[0] - cut * ax, corner[1] - cut * ay
-        assert (start[0] - x) * ax + (start[1] - y) * ay > -1e-9, f"the roundings at {corner} overlap"
-        add_line(x, y, *start, ax, ay)
-        side = math.copysign(1.0, turn)
-        center = start[0] - side * radius * ay, start[1] + side * radius * ax
-        step = max_turn if radius > SMALL_RADIUS else 2 * max_turn
-        count = max(1, math.ceil(abs(turn) / step))
-        for i in range(1, count + 1):
-            angle = turn * i / count
-            tx = ax * math.cos(angle) - ay * math.sin(angle)
-            ty = ax * math.sin(angle) + ay * math.cos(angle)
-            x, y = center[0] + side * radius * ty, center[1] - side * radius * tx
-            add(x, y, tx, ty)
-    tx, ty = direction(corners[-2], corners[-1])
-    assert (corners[-1][0] - x) * tx + (corners[-1][1] - y) * ty > -1e-9, "the last rounding reaches too far"
-    add_line(x, y, corners[-1][0], corners[-1][1], tx, ty)
-    return samples
-
-
-def join_rings(mesh, rings):
-    """Quads between consecutive rings of equal size; a ring of one vertex is a pole."""
-    count = max(len(ring) for ring in rings)
-    for lower, upper in zip(rings, rings[1:]):
-        for i in range(count):
-            j = (i + 1) % count
-            if len(lower) == 1:
-                mesh.faces.append((lower[0], upper[i], upper[j]))
-            elif len(upper) == 1:
-                mesh.faces.append((lower[i], upper[0], lower[j]))
-            else:
-                mesh.faces.append((lower[i], upper[i], upper[j], lower[j]))
-
-
-def circle(count):
-    return [(math.cos(2 * math.pi * i / count), math.sin(2 * math.pi * i / count)) for i in range(count)]
-
-
-def revolve(profile, segments):
-    """The profile (radius, height, tangent), from the axis to the axis, turned around the y axis; the outside
-    is on its right."""
-    mesh = Mesh()
-    rings = []
-    for radius, height, tangent_radius, tangent_height in profile:
-        if radius < 1e-9:
-            up = -math.copysign(1.0, tangent_radius)
-            rings.append([mesh.add_vertex((0.0, height, 0.0), (0.0, up, 0.0))])
-            continue
-        rings.append(
-            [
-                mesh.add_vertex(
-                    (radius * c, height, radius * s),
-                    (tangent_height * c, -tangent_radius, tangent_height * s),
-                )
-                for c, s in circle(segments)
-            ]
-        )
-    join_rings(mesh, rings)
-    return mesh
-
-
-def sweep(path, radius, segments, round_end):
-    """A tube along a path in the plane z = 0. It begins with a flat cap and ends with one or a hemisphere."""
-    mesh = Mesh()
-    around = [(c, -s) for c, s in circle(segments)]  # as seen along the path, so that faces look outside
-
-    def ring(x, y, tx, ty, scale, lean):
-        # The normals lean along the tangent on a hemisphere.
-        across = math.sqrt(1.0 - lean * lean)
-        result = []
-        for c, s in around:
-            normal = (-c * ty * across + lean * tx, c * tx * across + lean * ty, s * across)
-            result.append(
-                mesh.add_vertex((x - c * ty * radius * scale, y + c * tx * radius * scale, s * radius * scale), normal)
-            )
-        return result
-
-    def flat_cap(x, y, tx, ty, sign):
-        center = mesh.add_vertex((x, y, 0.0), (sign * tx, sign * ty, 0.0))
-        border = ring(x, y, tx, ty, 1.0, 0.0)
-        for i in border:  # the same places as the tube's end, with the cap's normal: a crease
-            mesh.vertices[i] = (*mesh.vertices[i][:3], sign * tx, sign * ty, 0.0)
-        join_rings(mesh, [[center], border] if sign < 0 else [border, [center]])
-
-    flat_cap(*path[0], -1.0)
-    rings = [ring(*sample, 1.0, 0.0) for sample in path]
-    x, y, tx, ty = path[-1]
-    if round_end:
-        steps = max(3, segments // 4)
-        for i in range(1, steps):
-            lean = math.sin(math.pi / 2 * i / steps)
-            along = radius * lean
-            scale = math.cos(math.pi / 2 * i / steps)
-            rings.append(ring(x + along * tx, y + along * ty, tx, ty, scale, lean))
-        rings.append([mesh.add_vertex((x + radius * tx, y + radius * ty, 0.0), (tx, ty, 0.0))])
-    join_rings(mesh, rings)
-    if not round_end:
-        flat_cap(x, y, tx, ty, 1.0)
-    return mesh
-
-
-def torus(major, minor, around, across):
-    mesh = Mesh()
-    rings = []
-    for c, s in circle(across):
-        rings.append(
-            [
-                mesh.add_vertex(((major + minor * c) * a, minor * s, (major + minor * c) * b), (c * a, s, c * b))
-                for a, b in circle(around)
-            ]
-        )
-    join_rings(mesh, [*rings, rings[0]])
-    return mesh
+from mesh_shapes import loop_handle, revolve, rounded_path, sweep, torus, turned_profile
+from mesh_writer import SCENE_MESHES, Mesh, write_meshes
 
 
 def tile_row(count, size, depth):
@@ -215,10 +35,6 @@ def tile_row(count, size, depth):
                     face.append(mesh.add_vertex(corner, normal))
                 mesh.faces.append(tuple(face if side > 0.0 else reversed(face)))
     return mesh
-
-
-def turned_profile(corners, max_step=0.06, max_turn=math.radians(12)):
-    return rounded_path(corners, max_step, max_turn)
 
 
 def pot_body(radius, height, wall, bottom_rounding):
@@ -262,22 +78,6 @@ def pot_lid(radius, height, knob):
     )
 
 
-def loop_handle(span, reach, radius):
-    """A bow from (0, -span / 2) to (0, span / 2) that reaches out along +x; the ends are meant to stand in a
-    wall."""
-    path = rounded_path(
-        [
-            (0.0, -span / 2),
-            (reach, -span / 2, 0.75 * min(reach, span / 2)),
-            (reach, span / 2, 0.75 * min(reach, span / 2)),
-            (0.0, span / 2),
-        ],
-        0.02,
-        math.radians(7.5),
-    )
-    return sweep(path, radius, 24, round_end=False)
-
-
 def long_handle(length, rise, radius):
     path = rounded_path([(0.0, 0.0), (0.12, 0.0, 0.1), (length, rise)], 0.03, math.radians(4))
     return sweep(path, radius, 28, round_end=True)
@@ -318,14 +118,5 @@ def meshes():
     yield "tile_row", tile_row(10, 0.14, 0.03)
 
 
-def main(arguments):
-    folder = pathlib.Path(arguments[0]) if arguments else DEFAULT_FOLDER
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, mesh in meshes():
-        path = folder / f"{name}.ply"
-        mesh.write(path)
-        print(f"{path.name}: {len(mesh.vertices)} vertices, {len(mesh.faces)} faces, {path.stat().st_size} bytes")
-
-
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    write_meshes(meshes(), pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else SCENE_MESHES)
