@@ -55,9 +55,9 @@ Figure figure_3(FigureSize size) {
       "Without the derivative of the light that glossy surfaces send, the same records give a larger error; "
       "the "
       "term costs about a tenth of the time.";
-  const int side = pick(size, 192, 512);
-  const std::string records = records_words(pick(size, 900, 4000), pick(size, 2048, 8192));
-  FigureGroup group{"cornell_glossy", "cornell_glossy.xml", indirect_words(side, side)};
+  const int side = pick(size, 160, 512);
+  const std::string records = records_words(pick(size, 700, 4000), 8192);
+  FigureGroup group{"cornell_glossy", "cornell_glossy.xml", indirect_words(side, side) + " --exposure 1.5"};
   group.panels = term_panels("", records, reference_panel("reference", size),
                              {{"records", 4000}, {"seconds", 333}}, {{"records", 4000}, {"seconds", 376}});
   group.panels.push_back({"ours", "This program's defaults", records, "reference"});
@@ -79,11 +79,11 @@ Figure figure_4(FigureSize size) {
       "Where a glossy floor reflects a glossy wall, records without the glossy-glossy term fail; where the "
       "wall is "
       "diffuse, both give about the same.";
-  const int side = pick(size, 160, 512);
-  const std::string records = records_words(pick(size, 300, 1000), pick(size, 2048, 8192));
+  const int side = pick(size, 128, 512);
+  const std::string records = records_words(pick(size, 300, 1000), pick(size, 4096, 8192));
   const std::string derivatives =
-      derivative_words(pick(size, 32, 128), pick(size, 2048, 8192), pick(size, 2048, 32768));
-  FigureGroup glossy{"glossy wall", "glossy_pair.xml", indirect_words(side, side)};
+      derivative_words(pick(size, 32, 128), pick(size, 4096, 8192), pick(size, 2048, 32768));
+  FigureGroup glossy{"glossy wall", "glossy_pair.xml", indirect_words(side, side) + " --exposure -1.5"};
   glossy.panels = term_panels("glossy_", records, reference_panel("glossy_reference", size), {}, {});
   FigureGroup diffuse{"diffuse wall", "glossy_pair_diffuse.xml", indirect_words(side, side)};
   diffuse.panels = term_panels("diffuse_", records, reference_panel("diffuse_reference", size), {}, {});
@@ -110,20 +110,23 @@ Figure figure_5(FigureSize size) {
       "Analytic derivatives agree with finite differences; those without the glossy-glossy term, and those "
       "of "
       "spherical harmonics of order 10, do not.";
-  const std::string words =
-      derivative_words(pick(size, 40, 128), pick(size, 2048, 8192), pick(size, 4096, 32768));
+  const std::string words = derivative_words(pick(size, 32, 128), 8192, pick(size, 4096, 32768));
   const std::vector<std::string> methods = {"finite-differences", "analytic", "no-glossy-glossy", "sh"};
-  for (const char* quantity : {"gradient", "hessian"}) {
-    figure.groups.push_back(derivative_group(quantity, "half_box.xml", quantity, "", words, methods));
-    const std::string end = std::string("_") + quantity;
-    const bool gradient = end == "_gradient";
-    figure.measures.push_back(panel_measure(std::string(quantity) + ": relative RMS error, analytic",
-                                            "analytic" + end, "relative_rms",
-                                            at_most(gradient ? 0.15 : 0.4)));
-    for (const char* method : {"no-glossy-glossy", "sh"}) {
-      figure.measures.push_back(ratio_measure(std::string(quantity) + ": error, " + method + " over analytic",
-                                              method + end, "analytic" + end, "relative_rms",
-                                              at_least(gradient ? 3.0 : 2.0)));
+  for (const std::string scene : {"glossy_pair", "half_box"}) {
+    for (const std::string quantity : {"gradient", "hessian"}) {
+      const std::string name = scene + ": " + quantity, prefix = scene + "_";
+      figure.groups.push_back(derivative_group(name, scene + ".xml", quantity, prefix, words, methods));
+      const std::string analytic = prefix + "analytic_" + quantity;
+      // In the half box, finite differences of second order are noise beside the creases.
+      const bool clean = scene == "glossy_pair";
+      figure.measures.push_back(
+          panel_measure(name + ": relative RMS error, analytic", analytic, "relative_rms",
+                        clean ? std::optional(at_most(quantity == "gradient" ? 0.1 : 0.2)) : std::nullopt));
+      for (const std::string method : {"no-glossy-glossy", "sh"}) {
+        figure.measures.push_back(ratio_measure(name + ": error, " + method + " over analytic",
+                                                prefix + method + "_" + quantity, analytic, "relative_rms",
+                                                at_least(clean ? 10.0 : 1.5)));
+      }
     }
   }
   return figure;

@@ -49,16 +49,16 @@ class Figure : public testing::Test {
         if (size.first == 0) size = {image.width, image.height};
         EXPECT_EQ(size, std::pair(image.width, image.height)) << panel.at("id");
         for (const char* name : {"png", "records", "error", "overlay"}) {
-          if (panel.contains(name)) EXPECT_TRUE(fs::is_regular_file(file(number, panel.at(name)))) << name;
+          EXPECT_TRUE(!panel.contains(name) || fs::is_regular_file(file(number, panel.at(name)))) << name;
         }
         EXPECT_THAT(panel.at("command").get<std::string>(), testing::StartsWith("vrc "));
         numbers[panel.at("id")] = panel.at("ours");
-        if (panel.contains("reference")) EXPECT_TRUE(numbers.contains(panel.at("reference")));
+        EXPECT_TRUE(!panel.contains("reference") || numbers.contains(panel.at("reference")));
       }
     }
     EXPECT_GT(made.at("measures").size(), 1u);
     for (const json& measure : made.at("measures")) {
-      if (measure.contains("bound")) EXPECT_TRUE(measure.at("holds")) << measure;
+      EXPECT_TRUE(measure.value("holds", true)) << measure;
     }
     return numbers;
   }
@@ -81,9 +81,11 @@ double relmse(const std::map<std::string, json>& panels, const std::string& id) 
 
 TEST_F(Figure, N1RecordsFollowTheHessian) {
   const auto panels = make_whole(1);
-  EXPECT_NEAR(panels.at("view_dependent").at("records"), panels.at("view_independent").at("records"), 40);
+  const double records = panels.at("view_independent").at("records");
+  EXPECT_NEAR(panels.at("view_dependent").at("records"), records, 0.1 * records);
   EXPECT_GT(measured(1, "density of view-dependent"), 0.5);
-  EXPECT_GT(measured(1, "variation of the density, view-dependent over"), 1.5);
+  EXPECT_GT(measured(1, "the same beyond"), 0.25);
+  EXPECT_GT(relmse(panels, "view_independent"), 1.1 * relmse(panels, "view_dependent"));
 }
 
 TEST_F(Figure, N2HarmonicsRing) {
@@ -106,19 +108,22 @@ TEST_F(Figure, N4GlossyGlossyTermMattersOnlyBetweenGlossySurfaces) {
 TEST_F(Figure, N5DerivativesAgreeWithFiniteDifferences) {
   const auto panels = make_whole(5);
   const auto error = [&](const std::string& id) { return panels.at(id).at("relative_rms").get<double>(); };
-  EXPECT_LT(error("analytic_gradient"), 0.15);
-  EXPECT_LT(error("analytic_hessian"), 0.4);
+  EXPECT_LT(error("glossy_pair_analytic_gradient"), 0.1);
+  EXPECT_LT(error("glossy_pair_analytic_hessian"), 0.2);
   for (const std::string method : {"no-glossy-glossy", "sh"}) {
-    EXPECT_GT(error(method + "_gradient"), 3.0 * error("analytic_gradient"));
-    EXPECT_GT(error(method + "_hessian"), 2.0 * error("analytic_hessian"));
+    for (const std::string quantity : {"_gradient", "_hessian"}) {
+      EXPECT_GT(error("glossy_pair_" + method + quantity), 10.0 * error("glossy_pair_analytic" + quantity));
+      EXPECT_GT(error("half_box_" + method + quantity), 1.5 * error("half_box_analytic" + quantity));
+    }
   }
 }
 
 TEST_F(Figure, N6HigherOrdersHaveSmallerErrors) {
   const auto panels = make_whole(6);
-  EXPECT_EQ(panels.at("order_0").at("records"), panels.at("order_2").at("records"));
-  EXPECT_GT(relmse(panels, "order_0"), 1.5 * relmse(panels, "order_1"));
-  EXPECT_GT(relmse(panels, "order_1"), 1.5 * relmse(panels, "order_2"));
+  EXPECT_EQ(panels.at("glossy_pair_order_0").at("records"), panels.at("glossy_pair_order_2").at("records"));
+  EXPECT_GT(relmse(panels, "glossy_pair_order_0"), 1.5 * relmse(panels, "glossy_pair_order_1"));
+  EXPECT_GT(relmse(panels, "glossy_pair_order_1"), 1.5 * relmse(panels, "glossy_pair_order_2"));
+  EXPECT_GT(relmse(panels, "half_box_order_0"), 1.5 * relmse(panels, "half_box_order_1"));
 }
 
 TEST_F(Figure, N7RadianceIsBestAtEqualTime) {
@@ -142,13 +147,27 @@ TEST_F(Figure, N8OrderOfTheStrategies) {
 
 TEST_F(Figure, N9GgxAgainstPathTracing) {
   const auto panels = make_whole(9);
-  EXPECT_GT(relmse(panels, "path"), 5.0 * relmse(panels, "paper"));
+  EXPECT_GT(relmse(panels, "box_path"), 5.0 * relmse(panels, "box_cache"));
+}
+
+TEST_F(Figure, N10CloseUpsOfTheKitchen) {
+  const auto panels = make_whole(10);
+  EXPECT_GT(relmse(panels, "pots_harmonics"), 1.2 * relmse(panels, "pots_view_dependent"));
+  EXPECT_GT(relmse(panels, "worktop_harmonics"), 1.2 * relmse(panels, "worktop_view_dependent"));
 }
 
 TEST_F(Figure, N11PotsFlatHybridAndOurs) {
   const auto panels = make_whole(11);
-  EXPECT_GT(relmse(panels, "flat"), 1.2 * relmse(panels, "hybrid"));
+  EXPECT_GT(panels.at("flat").at("records"), 1.4 * panels.at("hybrid").at("records").get<double>());
+  EXPECT_LT(relmse(panels, "hybrid"), 1.4 * relmse(panels, "flat"));
   EXPECT_GT(relmse(panels, "hybrid"), 1.2 * relmse(panels, "ours"));
+  EXPECT_GT(relmse(panels, "flat"), 1.2 * relmse(panels, "ours"));
+}
+
+TEST_F(Figure, N12ReflectionOfTheCrown) {
+  const auto panels = make_whole(12);
+  EXPECT_GT(relmse(panels, "plate_path"), 1.2 * relmse(panels, "plate_cache"));
+  EXPECT_GT(relmse(panels, "plate_path"), 2.0 * relmse(panels, "plate_ours"));
 }
 
 /// Lines of a panel that was found made.
