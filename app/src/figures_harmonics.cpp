@@ -12,7 +12,7 @@ Figure figure_2(FigureSize size) {
       "radiance does not.";
   const int side = pick(size, 160, 512);
   const std::string records = records_words(pick(size, 800, 8000), pick(size, 4096, 8192));
-  FigureGroup group{"half_box", "half_box.xml", indirect_words(side, side) + " --exposure 1"};
+  FigureGroup group{"half_box", "half_box.xml", indirect_words(side, side)};
   group.panels = {
       reference_panel("reference", size),
       {"analytic",

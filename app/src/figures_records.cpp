@@ -28,7 +28,7 @@ Figure figure_1(FigureSize size) {
       "Hessian of the radiance towards the camera is large.";
   const int side = pick(size, 160, 512);
   const std::string records = records_words(pick(size, 800, 2000), pick(size, 4096, 8192));
-  FigureGroup group{"half_box", "half_box.xml", indirect_words(side, side) + " --exposure 1"};
+  FigureGroup group{"half_box", "half_box.xml", indirect_words(side, side)};
   group.panels = {
       reference_panel("reference", size),
       {"view_dependent", "View-dependent", "--preset paper " + records, "reference", {{"records", 2000}}},
@@ -69,7 +69,7 @@ Figure figure_6(FigureSize size) {
     const std::string prefix = std::string(scene) + "_";
     const bool clean = prefix == "glossy_pair_";
     FigureGroup group{scene, std::string(scene) + ".xml",
-                      indirect_words(side, side) + (clean ? " --exposure -1.5" : " --exposure 1")};
+                      indirect_words(side, side) + (clean ? " --exposure -1.5" : "")};
     group.panels = {reference_panel(prefix + "reference", size)};
     for (const int order : {0, 1, 2}) {
       const std::string digit = std::to_string(order);
