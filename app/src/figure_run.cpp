@@ -97,7 +97,7 @@ std::vector<MeasuredValue> measure(const Figure& figure, const fs::path& folder,
 }
 
 void print(int figure, const FigurePanel& panel, const MadePanel& made) {
-  std::string line = fmt::format("figure {}, {}:", figure, panel.name);
+  std::string line = fmt::format("figure {}, {}:", figure, panel.id);
   for (const auto& [name, value] : made.stamp.numbers) line += fmt::format(" {} {:.4g},", name, value);
   line.back() = ' ';
   std::cout << line << (made.kept ? "(kept)" : "") << std::endl;

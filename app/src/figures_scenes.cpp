@@ -82,7 +82,7 @@ Figure figure_10(FigureSize size) {
                      {{"records", 90000}, {"gather_rays", 14400}, {"seconds", 6000}}}};
   figure.groups = {kitchen};
   figure.measures = {panel_measure("kitchen: relMSE", "kitchen", "relmse", {})};
-  const std::string records = records_words(1600, pick(size, 1024, kKitchenRays));
+  const std::string records = records_words(1600, pick(size, 2048, kKitchenRays));
   struct CloseUp {
     const char* name;
     const char* words;

@@ -65,7 +65,8 @@ class Figure : public testing::Test {
 
   /// Of the measure whose name begins like this.
   [[nodiscard]] double measured(int number, const std::string& name) const {
-    for (const json& measure : table(number).at("measures")) {
+    const json made = table(number);
+    for (const json& measure : made.at("measures")) {
       if (measure.at("name").get<std::string>().starts_with(name)) return measure.at("value");
     }
     ADD_FAILURE() << "no measure " << name;
