@@ -15,7 +15,20 @@ import pathlib
 import sys
 from collections import defaultdict
 
-from mesh_shapes import faceted, revolve, revolve_loop, ribbon, rounded_path, shell, sphere, spun, turned_profile
+from mesh_shapes import (
+    cross,
+    difference,
+    faceted,
+    revolve,
+    revolve_loop,
+    ribbon,
+    rounded_path,
+    shell,
+    sphere,
+    spun,
+    turned_profile,
+    unit,
+)
 from mesh_writer import SCENE_MESHES, Mesh, frame, rotation, scaling, translation, write_meshes
 
 BAND = 0.43  # height
@@ -155,13 +168,16 @@ class Crown:
         steps = ((0.0, -0.02), (0.0, 0.4 * depth), (0.3 * rim, 0.6 * depth), (0.8 * rim, 0.6 * depth))
         outline = [(width + rim, height + rim, z, inset) for inset, z in steps]
         rings = []
-        for x, y, z, inset in outline + [(width - 0.01, height - 0.01, 0.42 * depth, 0.0), (width - 0.01, height - 0.01, -0.02, 0.0)]:
+        for x, y, z, inset in outline + [
+            (width - 0.01, height - 0.01, 0.42 * depth, 0.0), (width - 0.01, height - 0.01, -0.02, 0.0)
+        ]:
             x, y = x - inset, y - inset
             rings.append([(x, y, z), (-x, y, z), (-x, -y, z), (x, -y, z)])
         self.add("gold", faceted(rings, loop=True), *place)
 
 
 def add_band(crown):
+    """The band with its rims, two strings of pearls, stones and scrolls between them."""
     profile = [
         (0.95, 0.0, 0.015),
         (1.045, 0.0, 0.018),
@@ -178,7 +194,18 @@ def add_band(crown):
         for i in range(count):
             crown.pearl(0.0285, *on_band(360.0 * (i + 0.5) / count, y, 0.014))
     scrolls = [
-        spun(curl((sx * 0.232, 0.215 + sy * 0.042), (0.062, 0.016), (90 - sx * 90 - sx * sy * 55, 90 - sx * 90 + sx * sy * 480), 0.0095, 0.011, bent), 44, 8)
+        spun(
+            curl(
+                (sx * 0.232, 0.215 + sy * 0.042),
+                (0.062, 0.016),
+                (90 - sx * 90 - sx * sy * 55, 90 - sx * 90 + sx * sy * 480),
+                0.0095,
+                0.011,
+                bent,
+            ),
+            44,
+            8,
+        )
         for sx in (-1, 1)
         for sy in (-1, 1)
     ]
@@ -190,13 +217,14 @@ def add_band(crown):
             crown.set_stone("sapphire", 0.098, 0.074, *on_band(angle, 0.215, 0.004))
         between = angle + 180.0 / SIDES
         crown.set_stone("diamond" if side % 2 else "emerald", 0.05, 0.05, *on_band(between, 0.215, 0.004))
-        for offset in (-0.098, 0.098):
-            crown.pearl(0.019, translation(0.0, 0.0, 0.0), *on_band(between, 0.215 + 0.72 * offset, 0.012))
+        for offset in (-0.0706, 0.0706):
+            crown.pearl(0.019, *on_band(between, 0.215 + offset, 0.012))
         for scroll in scrolls:
             crown.add("gold", scroll, rotation("y", angle))
 
 
 def add_lily(crown, angle, is_front):
+    """A fleur-de-lis of five petals with stones and pearls; that of the front is larger."""
     base = BAND - 0.02
     parts = []
     size = 1.12 if is_front else 1.0
@@ -206,7 +234,7 @@ def add_lily(crown, angle, is_front):
 
     parts.append(spun(leaf(base, base + size * 0.66, size * 0.155, size * 0.05), 36, 22))
     for side in (-1, 1):
-        upper = (90 + side * 115, 90 - side * 250) if side > 0 else (90 - 115, 90 + 250)
+        upper = (90 + side * 115, 90 - side * 250)
         parts.append(spun(curl((side * 0.195, 0.36), (0.2, 0.055), upper, 0.044, 0.042, place), 56, 14))
         lower = (180 - 35, 180 + 235) if side > 0 else (35, -235)
         parts.append(spun(curl((side * 0.145, 0.115), (0.135, 0.035), lower, 0.03, 0.034, place), 44, 12))
@@ -218,7 +246,9 @@ def add_lily(crown, angle, is_front):
     def at(s, y, z):
         return [*on_band(math.degrees(size * s), base + size * y, size * z), turn]
 
-    crown.add("gold", sphere(1.0, 40, 20), scaling(size * 0.115, size * 0.03, size * 0.055), *on_band(0.0, collar, 0.0), turn)
+    crown.add(
+        "gold", sphere(1.0, 40, 20), scaling(size * 0.118, size * 0.036, size * 0.075), *on_band(0.0, collar, 0.0), turn
+    )
     for side in (-1, 1):
         crown.pearl(size * 0.034, *at(side * 0.197, 0.36, 0.012))
         crown.pearl(size * 0.024, *at(side * 0.147, 0.113, 0.012))
@@ -233,7 +263,16 @@ def add_finial(crown, angle):
     """A pearl in a cup between two lilies."""
     cup = revolve(
         turned_profile(
-            [(0.0, -0.03), (0.06, -0.03, 0.01), (0.05, 0.02, 0.02), (0.02, 0.045, 0.02), (0.02, 0.085, 0.015), (0.052, 0.115, 0.02), (0.05, 0.138, 0.003), (0.0, 0.12)],
+            [
+                (0.0, -0.03),
+                (0.06, -0.03, 0.01),
+                (0.05, 0.02, 0.02),
+                (0.02, 0.045, 0.02),
+                (0.02, 0.085, 0.015),
+                (0.052, 0.115, 0.02),
+                (0.05, 0.138, 0.003),
+                (0.0, 0.12),
+            ],
             max_step=0.03,
         ),
         40,
@@ -254,7 +293,18 @@ def mitre_point(alpha, beta, out=0.0):
     return (across * math.sin(beta), MITRE_BASE + up * rho * math.sin(alpha), across * rho * math.cos(alpha))
 
 
+def on_mitre_frame(alpha, beta, out=0.0):
+    """The frame of a thing on the dome, its z outwards and its y along alpha; both angles in degrees."""
+    alpha, beta = math.radians(alpha), math.radians(beta)
+    x, y, z = mitre_point(alpha, beta)
+    outwards = unit((x / MITRE[0] ** 2, (y - MITRE_BASE) / MITRE[1] ** 2, z / MITRE[0] ** 2))
+    right = unit(difference(mitre_point(alpha, beta + 1e-5), mitre_point(alpha, beta - 1e-5)))
+    origin = (x + out * outwards[0], y + out * outwards[1], z + out * outwards[2])
+    return frame(right, cross(outwards, right), outwards, origin)
+
+
 def add_mitre(crown):
+    """The two halves with their borders, pearls and scrolls, and the cap of velvet inside."""
     begin = math.asin(CLEFT / MITRE[0])
     end = math.radians(88.0)
 
@@ -297,14 +347,22 @@ def add_mitre(crown):
         for i in range(count):
             x, y, z = mitre_point(math.radians(8.0 + 164.0 * i / (count - 1)), begin + 0.075, 0.008)
             crown.pearl(0.026, translation(x, y, z), flip)
+        for i, alpha in enumerate(range(24, 160, 22)):
+            stone = ("ruby", "emerald", "sapphire")[i % 3]
+            crown.set_stone(stone, 0.034, 0.046, on_mitre_frame(alpha, 27.0, 0.004), flip)
+            for offset in (-5.0, 5.0):
+                crown.pearl(0.015, on_mitre_frame(alpha + offset, 27.0, 0.008), flip)
     dome = revolve(
-        turned_profile([(0.0, 0.06), (0.9, 0.06, 0.04), (0.885, 1.3, 0.86), (0.0, 1.305)], max_step=0.05, max_turn=math.radians(5)),
+        turned_profile(
+            [(0.0, 0.06), (0.9, 0.06, 0.04), (0.885, 1.3, 0.86), (0.0, 1.305)], max_step=0.05, max_turn=math.radians(5)
+        ),
         96,
     )
     crown.add("velvet", dome)
 
 
 def add_arch(crown):
+    """The arch from the front lily to the back one, with pearls along its edges and a row of stones."""
     steps = 96
     path = []
     for i in range(steps + 1):
@@ -322,7 +380,7 @@ def add_arch(crown):
         for side in (-1, 1):
             crown.pearl(0.027, *on_arch(angle, side * (w - 0.004), t + 0.008))
     for i, angle in enumerate(range(21, 160, 12)):
-        if angle == 93:
+        if angle == 93:  # under the foot of the orb
             continue
         material = ("ruby", "diamond", "sapphire", "diamond")[i % 4]
         width = 0.034 if material == "diamond" else 0.042
@@ -332,18 +390,30 @@ def add_arch(crown):
 def add_top(crown):
     """A foot, a sapphire as the orb and the cross above it."""
     top = ARCH[2] + ARCH[1] + 0.5 * ARCH_THICKNESS
-    foot = [(0.0, -0.03), (0.125, -0.03, 0.01), (0.12, 0.02, 0.015), (0.06, 0.05, 0.02), (0.075, 0.085, 0.02), (0.09, 0.10, 0.004), (0.0, 0.09)]
+    foot = [
+        (0.0, -0.03),
+        (0.125, -0.03, 0.01),
+        (0.12, 0.02, 0.015),
+        (0.06, 0.05, 0.02),
+        (0.075, 0.085, 0.02),
+        (0.09, 0.10, 0.004),
+        (0.0, 0.09),
+    ]
     crown.add("gold", revolve(turned_profile(foot, max_step=0.03), 56), translation(0.0, top, 0.0))
     center = top + 0.215
     crown.add("sapphire", sphere(1.0, 64, 36), scaling(0.145, 0.155, 0.145), translation(0.0, center, 0.0))
-    belt = revolve_loop([(0.135, -0.022, 0.006), (0.156, -0.022, 0.006), (0.156, 0.022, 0.006), (0.135, 0.022, 0.006)], 72)
+    belt = revolve_loop(
+        [(0.135, -0.022, 0.006), (0.156, -0.022, 0.006), (0.156, 0.022, 0.006), (0.135, 0.022, 0.006)], 72
+    )
     crown.add("gold", belt, rotation("y", 2.5), translation(0.0, center, 0.0))  # shares no vertex with the next
     crown.add("gold", belt, rotation("z", 90.0), scaling(1.0, 1.068, 1.0), translation(0.0, center, 0.0))
     for i in range(14):
         if i % 7:
             x, z = 0.157 * math.sin(2 * math.pi * i / 14), 0.157 * math.cos(2 * math.pi * i / 14)
             crown.pearl(0.016, translation(x, center, z))
-    cap = [(0.0, -0.02), (0.06, -0.02, 0.01), (0.05, 0.01, 0.01), (0.024, 0.03, 0.01), (0.024, 0.055, 0.002), (0.0, 0.056)]
+    cap = [
+        (0.0, -0.02), (0.06, -0.02, 0.01), (0.05, 0.01, 0.01), (0.024, 0.03, 0.01), (0.024, 0.055, 0.002), (0.0, 0.056)
+    ]
     crown.add("gold", revolve(turned_profile(cap, max_step=0.03), 40), translation(0.0, center + 0.155, 0.0))
     middle = center + 0.155 + 0.25
 
@@ -359,13 +429,17 @@ def add_top(crown):
         length = 0.215 if turn == 2 else 0.185
         crown.add("gold", arm(length), *place)
         for face in (1, -1):
-            crown.set_stone("ruby", 0.024, 0.034, translation(0.0, 0.112, 0.03), rotation("y", 0.0 if face > 0 else 180.0), *place)
+            crown.set_stone(
+                "ruby", 0.024, 0.034, translation(0.0, 0.112, 0.03), rotation("y", 0.0 if face > 0 else 180.0), *place
+            )
         if turn != 2:
             crown.pearl(0.034, translation(0.0, length + 0.022, 0.0), *place)
             for side in (-1, 1):
                 crown.pearl(0.02, translation(side * 0.074, length + 0.012, 0.0), *place)
     for face in (0.0, 180.0):
-        crown.set_stone("diamond", 0.044, 0.044, translation(0.0, 0.0, 0.028), rotation("y", face), translation(0.0, middle, 0.0))
+        crown.set_stone(
+            "diamond", 0.044, 0.044, translation(0.0, 0.0, 0.028), rotation("y", face), translation(0.0, middle, 0.0)
+        )
 
 
 def meshes():

@@ -112,7 +112,9 @@ def cupboards_and_handles():
     under_sink = WORKTOP - 0.245
     for low, high, y in ((FRONT + 0.001, 0.9, top), (0.901, 1.499, under_sink), (1.5, 2.46, top)):
         cupboards.add(box((0.004, PLINTH, low), (FRONT - 0.001, y, high), 0.001))
-    cupboards.add(panel(FRONT + DOOR, top, ((0.0, 0.0), (0.0, 0.018), (0.002, 0.02))), translation(0.297, 0.5 * top, 2.462))
+    cupboards.add(
+        panel(FRONT + DOOR, top, ((0.0, 0.0), (0.0, 0.018), (0.002, 0.02))), translation(0.297, 0.5 * top, 2.462)
+    )
     # Over the worktop on the right.
     low, high = (1.93, 1.48), (2.93, 2.24)
     cupboards.add(box((low[0], low[1], 0.002), (high[0], high[1], 0.30), 0.002))
@@ -123,7 +125,7 @@ def cupboards_and_handles():
         handles.add(handle(0.14, False), translation(center + side * 0.222, low[1] + 0.15, 0.301 + DOOR - 0.004))
     cornice = ((0.0, 0.0), (0.0, 0.012), (0.012, 0.03), (0.012, 0.045))
     cupboards.add(
-        panel(1.03, 0.365, cornice), rotation("x", -90.0), translation(2.43, high[1] + 0.001, 0.1825), translation(0, 0, 0.001)
+        panel(1.03, 0.365, cornice), rotation("x", -90.0), translation(2.43, high[1] + 0.001, 0.1835)
     )
     return cupboards, handles
 
@@ -211,7 +213,15 @@ def sink():
     )
     core = (SINK_HALF[0] - 0.056, SINK_HALF[1] - 0.056)
     mesh.add(revolve(profile, 40, core), translation(SINK[0], WORKTOP - 0.04, SINK[1]))
-    drain = turned((0.0, -0.008), (0.042, -0.008, 0.001), (0.042, 0.002, 0.0015), (0.034, 0.002, 0.001), (0.03, -0.004, 0.002), (0.0, -0.004), segments=48)
+    drain = turned(
+        (0.0, -0.008),
+        (0.042, -0.008, 0.001),
+        (0.042, 0.002, 0.0015),
+        (0.034, 0.002, 0.001),
+        (0.03, -0.004, 0.002),
+        (0.0, -0.004),
+        segments=48,
+    )
     mesh.add(drain, translation(SINK[0], WORKTOP - 0.04 - 0.19, SINK[1]))
     return mesh
 
@@ -219,8 +229,26 @@ def sink():
 def tap():
     mesh = Mesh()
     place = translation(SINK[0] - SINK_HALF[0] - 0.055, WORKTOP, SINK[1])
-    mesh.add(turned((0.0, -0.01), (0.027, -0.01, 0.002), (0.027, 0.004, 0.003), (0.02, 0.009, 0.004), (0.019, 0.095, 0.006), (0.0, 0.097), segments=48), place)
-    neck = rod([(0.0, 0.08), (0.0, 0.36, 0.1), (0.21, 0.36, 0.1), (0.21, 0.235)], 0.0115, 32, round_end=False, max_step=0.03, max_turn=math.radians(6))
+    mesh.add(
+        turned(
+            (0.0, -0.01),
+            (0.027, -0.01, 0.002),
+            (0.027, 0.004, 0.003),
+            (0.02, 0.009, 0.004),
+            (0.019, 0.095, 0.006),
+            (0.0, 0.097),
+            segments=48,
+        ),
+        place,
+    )
+    neck = rod(
+        [(0.0, 0.08), (0.0, 0.36, 0.1), (0.21, 0.36, 0.1), (0.21, 0.235)],
+        0.0115,
+        32,
+        round_end=False,
+        max_step=0.03,
+        max_turn=math.radians(6),
+    )
     mesh.add(neck, place)
     nozzle = turned((0.0, 0.0), (0.0145, 0.0, 0.002), (0.0145, 0.03, 0.003), (0.0, 0.031), segments=40)
     mesh.add(nozzle, translation(0.21, 0.215, 0.0), place)
@@ -256,15 +284,32 @@ def hob_and_oven():
     """The black glass; the steel around it with knobs; the thin rings of the hob."""
     glass, steel, rings = Mesh(), Mesh(), Mesh()
     top = WORKTOP + 0.0065
-    glass.add(panel(0.58, 0.51, ((0.0, -0.003), (0.0, 0.0055), (0.001, 0.0065))), rotation("x", -90.0), translation(HOB[0], WORKTOP, HOB[1]))
+    glass.add(
+        panel(0.58, 0.51, ((0.0, -0.003), (0.0, 0.0055), (0.001, 0.0065))),
+        rotation("x", -90.0),
+        translation(HOB[0], WORKTOP, HOB[1]),
+    )
     for x, z, radius in ((-0.14, -0.02, 0.115), (0.155, 0.02, 0.095), (0.13, -0.16, 0.075)):
         ring = revolve_loop(
-            [(radius, -0.0005, 0.0001), (radius + 0.002, -0.0005, 0.0001), (radius + 0.002, 0.0005, 0.0002), (radius, 0.0005, 0.0002)],
+            [
+                (radius, -0.0005, 0.0001),
+                (radius + 0.002, -0.0005, 0.0001),
+                (radius + 0.002, 0.0005, 0.0002),
+                (radius, 0.0005, 0.0002),
+            ],
             96,
         )
         rings.add(ring, translation(HOB[0] + x, top, HOB[1] + z))
     steel.add(panel(0.6 - GAP, 0.12, ((0.0, 0.0), (0.0, 0.02), (0.002, 0.022))), translation(HOB[0], 0.798, FRONT))
-    knob = turned((0.0, 0.0), (0.02, 0.0, 0.002), (0.02, 0.004, 0.001), (0.0165, 0.007, 0.002), (0.0155, 0.026, 0.003), (0.0, 0.027), segments=40)
+    knob = turned(
+        (0.0, 0.0),
+        (0.02, 0.0, 0.002),
+        (0.02, 0.004, 0.001),
+        (0.0165, 0.007, 0.002),
+        (0.0155, 0.026, 0.003),
+        (0.0, 0.027),
+        segments=40,
+    )
     for i in range(5):
         steel.add(knob, rotation("x", 90.0), translation(HOB[0] + 0.105 * (i - 2), 0.798, FRONT + 0.0215))
     glass.add(panel(0.6 - GAP, 0.632, ((0.0, 0.0), (0.0, 0.02), (0.002, 0.022))), translation(HOB[0], 0.42, FRONT))
@@ -282,7 +327,10 @@ def window():
     mesh.add(rectangular_frame((low, high), inner, -0.1, -0.05, 0.006), FACES_X)
     middle = -0.5 * (z0 + z1)
     cross_bar = y0 + 0.62 * (y1 - y0)
-    mesh.add(box((middle - 0.028, inner[0][1] - 0.003, -0.098), (middle + 0.028, inner[1][1] + 0.003, -0.054), 0.005), FACES_X)
+    mesh.add(
+        box((middle - 0.028, inner[0][1] - 0.003, -0.098), (middle + 0.028, inner[1][1] + 0.003, -0.054), 0.005),
+        FACES_X,
+    )
     for a, b in ((inner[0][0], middle - 0.028), (middle + 0.028, inner[1][0])):
         mesh.add(box((a - 0.003, cross_bar - 0.014, -0.096), (b + 0.003, cross_bar + 0.014, -0.06), 0.004), FACES_X)
     mesh.add(box((low[0] - 0.05, y0 - 0.028, -0.1), (high[0] + 0.05, y0, 0.05), 0.004), FACES_X)
@@ -302,13 +350,19 @@ def woodwork():
     """Shelves, a chopping board against the wall and wooden spoons."""
     mesh = Mesh()
     for y in SHELVES:
-        mesh.add(box((0.26, 0.0, 0.0), (1.14, 0.23, 0.028), 0.003), rotation("x", -90.0), translation(0.0, y - 0.028, 0.2385))
-    board = revolve(
-        turned_profile([(0.0, 0.0), (0.05, 0.0, 0.006), (0.05, 0.02, 0.006), (0.0, 0.02)], max_step=0.03), 32, (0.09, 0.14)
-    )
-    mesh.add(board, rotation("x", 78.0), translation(1.02, WORKTOP + 0.192, 0.055))
+        mesh.add(
+            box((0.26, 0.0, 0.0), (1.14, 0.23, 0.028), 0.003), rotation("x", -90.0), translation(0.0, y - 0.028, 0.2385)
+        )
+    edge = [(0.0, 0.0), (0.05, 0.0, 0.006), (0.05, 0.02, 0.006), (0.0, 0.02)]
+    board = revolve(turned_profile(edge, max_step=0.03), 32, (0.09, 0.14))
+    mesh.add(board, rotation("x", 78.0), translation(1.02, WORKTOP + 0.185, 0.0468))
     for angle, lean, height in ((20.0, 12.0, 0.285), (150.0, 14.0, 0.27), (265.0, 10.0, 0.30)):
-        place = [rotation("z", -lean), translation(0.01, 0.0, 0.0), rotation("y", angle), translation(0.165, WORKTOP + 0.02, 0.20)]
+        place = [
+            rotation("z", -lean),
+            translation(0.01, 0.0, 0.0),
+            rotation("y", angle),
+            translation(0.165, WORKTOP + 0.02, 0.20),
+        ]
         mesh.add(rod([(0.0, 0.0), (0.0, height)], 0.0055, 20, max_step=0.04), *place)
         mesh.add(sphere(1.0, 32, 16), scaling(0.022, 0.034, 0.009), translation(0.0, height, 0.0), *place)
     return mesh
@@ -435,6 +489,46 @@ def bottle(radius, height):
     )
 
 
+def herb_pot():
+    """A pot of earth and its leaves, apart."""
+    pot = turned(
+        (0.0, 0.0),
+        (0.034, 0.0, 0.004),
+        (0.042, 0.062, 0.004),
+        (0.048, 0.063, 0.003),
+        (0.049, 0.085, 0.003),
+        (0.0, 0.078),
+        segments=48,
+    )
+    leaves = Mesh()
+    leaf = sphere(1.0, 14, 8)
+    chance = random.Random(5)
+    for i in range(90):
+        angle, lean, reach = 137.508 * i, chance.uniform(10.0, 75.0), chance.uniform(0.035, 0.075)
+        length = chance.uniform(0.011, 0.018)
+        leaves.add(
+            leaf,
+            scaling(0.6 * length, 0.14 * length, length),
+            rotation("x", chance.uniform(-50.0, 20.0)),
+            translation(0.0, 0.0, reach),
+            rotation("x", lean - 90.0),
+            rotation("y", angle),
+            translation(0.0, 0.083, 0.0),
+        )
+    return pot, leaves
+
+
+def herbs():
+    """Two pots on the window sill."""
+    pots, leaves = Mesh(), Mesh()
+    sill = WINDOW[0][1]
+    for z, angle in ((0.855, 0.0), (1.0, 77.0)):
+        place = [rotation("y", angle), translation(0.0, sill, z)]
+        for mesh, part in zip((pots, leaves), herb_pot()):
+            mesh.add(part, *place)
+    return pots, leaves
+
+
 def bottles():
     mesh = Mesh()
     mesh.add(bottle(0.036, 0.29), translation(0.33, WORKTOP, 0.13))
@@ -447,6 +541,7 @@ def meshes():
     cupboards, handles = cupboards_and_handles()
     glass, steel, rings = hob_and_oven()
     steel.add(hood())
+    pots, leaves = herbs()
     yield "kitchen_cupboards", cupboards
     yield "kitchen_handles", handles
     yield "kitchen_plinth", plinth()
@@ -465,6 +560,8 @@ def meshes():
     yield "kitchen_crockery", crockery()
     yield "kitchen_jars", jars()
     yield "kitchen_bottles", bottles()
+    yield "kitchen_herb_pots", pots
+    yield "kitchen_herbs", leaves
 
 
 if __name__ == "__main__":

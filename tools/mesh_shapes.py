@@ -204,9 +204,8 @@ def sphere(radius, around, across):
     for i in range(1, across):
         angle = math.pi * i / across
         r, y = math.sin(angle), -math.cos(angle)
-        rings.append(
-            [mesh.add_vertex((radius * r * c, radius * y, radius * r * s), (r * c, y, r * s)) for c, s in circle(around)]
-        )
+        normals = [(r * c, y, r * s) for c, s in circle(around)]
+        rings.append([mesh.add_vertex(tuple(radius * x for x in normal), normal) for normal in normals])
     rings.append([mesh.add_vertex((0.0, radius, 0.0), (0.0, 1.0, 0.0))])
     join_rings(mesh, rings)
     return mesh
