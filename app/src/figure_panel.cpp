@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
@@ -205,7 +206,11 @@ NamedNumbers errors_against(const fs::path& folder, const PanelStamp& reference,
   const Image mean = read_image(folder / reference.files[0]);
   const Image a = read_image(folder / reference.files[2]), b = read_image(folder / reference.files[3]);
   const auto scale = static_cast<float>(kMeanLuminance / std::max(mean_luminance(mean), 1e-30));
-  return {{"relmse", two_half_relmse(scaled(image, scale), scaled(a, scale), scaled(b, scale))},
+  const Image measured = scaled(image, scale);
+  const std::array half = {0.5};
+  const Image error = relative_error_map(measured, scaled(mean, scale));
+  return {{"relmse", two_half_relmse(measured, scaled(a, scale), scaled(b, scale))},
+          {"median_error", percentiles(error, half).front()},
           {"ssim", mean_ssim(encoded(image, display), encoded(mean, display))}};
 }
 

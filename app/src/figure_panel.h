@@ -36,8 +36,8 @@ struct MadePanel {
                                    std::uint64_t scene_key, const PanelStamps& earlier,
                                    const PanelPlace& place, const std::atomic<bool>& stop);
 
-/// "relmse" and "ssim" of a picture against that of a kReference panel: the two halves' noise cancels in the
-/// first one, and both are scaled to a mean luminance of one half for it.
+/// "relmse", "median_error" (of the pixels' relative errors) and "ssim" of a picture against that of a kReference
+/// panel. The two halves' noise cancels in the first one; for the first two the mean luminance is scaled to one half.
 [[nodiscard]] NamedNumbers errors_against(const std::filesystem::path& folder, const PanelStamp& reference,
                                           const Image& image, const Display& display);
 
