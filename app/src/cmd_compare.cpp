@@ -2,9 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <iostream>
-#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -14,6 +12,7 @@
 #include "core/image_error.h"
 #include "core/image_structure.h"
 #include "display_arguments.h"
+#include "error_colors.h"
 #include "io/color.h"
 #include "io/image_io.h"
 #include "shading/false_color.h"
@@ -94,13 +93,6 @@ std::optional<double> two_half_error(const ImageSet& set) {
   return two_half_relmse(set.image, *set.first_half, *set.second_half);
 }
 
-/// With the curve of sRGB.
-Image encoded(const Image& image, const Display& display) {
-  Image result = displayed(image, display);
-  for (float& v : result.pixels) v = srgb_from_linear(v);
-  return result;
-}
-
 CompareReport compare(const ImageSet& set, int block, const Display& display) {
   CompareReport report;
   report.pixels = compare_rgb(set.image, set.reference);
@@ -115,22 +107,10 @@ CompareReport compare(const ImageSet& set, int block, const Display& display) {
   return report;
 }
 
-/// The relative error as colours, a factor of ten for each third of the map.
-Image heat_map(const ImageSet& set) {
-  const Image error = relative_error_map(set.image, set.reference);
-  Image colors(error.width, error.height, {"R", "G", "B"});
-  for (std::size_t p = 0; p < error.pixel_count(); ++p) {
-    const double e = static_cast<double>(error.pixels[p]);
-    const Rgb color = std::isnan(e) ? Rgb::Constant(std::numeric_limits<float>::quiet_NaN()).eval()
-                                    : map_color((std::log10(e) + 3.0) / 3.0);
-    for (std::size_t c = 0; c < 3; ++c) colors.pixels[3 * p + c] = color[static_cast<Eigen::Index>(c)];
-  }
-  return colors;
-}
-
 /// A, B and the heat map, and below them what its colours mean.
 Image side_by_side(const ImageSet& set, const Display& display) {
-  const std::array panels = {displayed(set.image, display), displayed(set.reference, display), heat_map(set)};
+  const std::array panels = {displayed(set.image, display), displayed(set.reference, display),
+                             error_colors(set.image, set.reference)};
   const int width = set.image.width, height = set.image.height;
   Image joined(3 * width, height, {"R", "G", "B"});
   for (int y = 0; y < height; ++y) {
@@ -191,7 +171,7 @@ int run_compare(const CompareArguments& arguments) {
   }
   const ImageSet set = read_images(arguments);
   const CompareReport report = compare(set, arguments.block, arguments.display);
-  if (arguments.heatmap) write_png(*arguments.heatmap, heat_map(set));
+  if (arguments.heatmap) write_png(*arguments.heatmap, error_colors(set.image, set.reference));
   if (arguments.side_by_side) write_png(*arguments.side_by_side, side_by_side(set, arguments.display));
   std::cout << (arguments.json ? as_json(report, arguments.block) : as_text(report, arguments.block))
             << std::flush;

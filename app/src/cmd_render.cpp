@@ -4,12 +4,12 @@
 #include <memory>
 
 #include "app/command_line.h"
-#include "app/version.h"
 #include "commands.h"
 #include "core/image_error.h"
 #include "interrupt.h"
 #include "io/atomic_file.h"
 #include "io/image_io.h"
+#include "picture_file.h"
 #include "render_arguments.h"
 #include "scene_run.h"
 
@@ -42,36 +42,6 @@ double relmse_to(const Image& reference, const Image& image, const std::optional
     return crop(whole, window->x0, window->y0, window->x1, window->y1);
   };
   return compare_rgb(cut(image), cut(reference)).relmse;
-}
-
-/// Where the picture comes from. The pixels do not depend on threads or time; this header may.
-ImageMetadata metadata_of(const RunReport& report) {
-  ImageMetadata metadata{
-      {"vrc:version", std::string(kVersion)},
-      {"vrc:scene", report.scene},
-      {"vrc:command_line", report.command_line},
-      {"vrc:seconds", fmt::format("{:.3f}", report.render_seconds)},
-      {"vrc:method", std::string(name_of(report.options.method))},
-      {"vrc:only", std::string(name_of(report.options.only))},
-      {"vrc:bounces", std::to_string(report.options.bounces)},
-      {"vrc:spp", std::to_string(report.options.samples_per_pixel)},
-      {"vrc:seed", std::to_string(report.options.seed)},
-  };
-  if (report.options.method == Method::kCache) {
-    if (report.stats.error > 0.0) metadata["vrc:error"] = fmt::format("{}", report.stats.error);
-    metadata["vrc:records"] = std::to_string(report.stats.records);
-  }
-  if (report.stats.unfinished) metadata["vrc:unfinished"] = "true";
-  return metadata;
-}
-
-void write_picture(const fs::path& path, const Image& image, const Display& display,
-                   const RunReport& report) {
-  if (path.extension() == ".png" || path.extension() == ".PNG") {
-    write_png(path, image, display);
-  } else {
-    write_exr(path, image, metadata_of(report));
-  }
 }
 
 int run_render(const RenderArguments& arguments, const std::string& command_line) {

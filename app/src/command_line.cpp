@@ -26,11 +26,12 @@ Examples:
   vrc inspect bunny.ply
   vrc curvature bunny.ply -o curvature.png
   vrc plot bench.json -o bench.svg
+  vrc figure 7 -o figures
   vrc report figures -o report.html
 
 "vrc COMMAND --help" explains one command.
-Exit codes: 0 done; 1 internal error, or a comparison met values that are not finite;
-2 bad input or usage; 130 interrupted.)";
+Exit codes: 0 done; 1 internal error, a comparison met values that are not finite, or a claim of a figure does
+not hold; 2 bad input or usage; 130 interrupted.)";
 
 /// Puts defaults behind the description: "Rays of a record [by sharpness]".
 class HelpFormatter : public CLI::Formatter {
@@ -84,6 +85,7 @@ int parse_and_run(int argc, const char* const* argv) {
       {"curvature", add_curvature_command(program)},
       {"charts", add_charts_command(program)},
       {"plot", add_plot_command(program)},
+      {"figure", add_figure_command(program)},
       {"report", add_report_command(program)},
   };
   try {
@@ -95,9 +97,9 @@ int parse_and_run(int argc, const char* const* argv) {
   }
   if (program.get_subcommands().empty()) {
     throw InputError(
-        "give a command: render or compare for pictures, records or derivatives for the cache, inspect, "
-        "curvature or charts "
-        "for meshes; see 'vrc --help'");
+        "give a command: render or compare for pictures, records or derivatives for the cache, figure for "
+        "those of "
+        "the paper, inspect, curvature or charts for meshes; see 'vrc --help'");
   }
   return actions.at(program.get_subcommands().front()->get_name())();
 }

@@ -23,6 +23,7 @@ using CommandAction = std::function<int()>;
 [[nodiscard]] CommandAction add_curvature_command(CLI::App& program);
 [[nodiscard]] CommandAction add_charts_command(CLI::App& program);
 [[nodiscard]] CommandAction add_plot_command(CLI::App& program);
+[[nodiscard]] CommandAction add_figure_command(CLI::App& program);
 [[nodiscard]] CommandAction add_report_command(CLI::App& program);
 
 }  // namespace vrc

@@ -222,6 +222,9 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
                  "Gather again at pixels whose records disagree or that see an edge, and measure the error"));
   group(add_choice(command, "--joint-fit", cache.joint_fit, {{"on", true}, {"off", false}},
                    "Refine records by their neighbours' values"));
+  group(add_choice(command, "--overture", cache.overture, {{"on", true}, {"off", false}},
+                   "Make all records before the picture is shaded; off: while it is, line by line, so that a "
+                   "pixel blends only those that it or earlier pixels asked for"));
   CLI::Option* baseline = group(add_choice(command, "--baseline", arguments.baseline,
                                            {{"none", Baseline::kNone},
                                             {"krivanek", Baseline::kKrivanek},
@@ -230,6 +233,18 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
                                            "Work like an earlier method: radiance caching in spherical "
                                            "harmonics, or irradiance caching (diffuse scenes only)"));
   for (CLI::Option* other : {strategy, representation, placement}) baseline->excludes(other);
+}
+
+/// On the options as they were completed: presets and baselines set what does not go together.
+void check_overture(const RenderOptions& options) {
+  const CacheOptions& cache = options.cache;
+  if (cache.overture) return;
+  if (cache.joint_fit || cache.hard_pixels || cache.sampler == Sampler::kSurface || options.seconds > 0.0) {
+    throw InputError(
+        "--overture off shades while records are made: give --joint-fit off and --hard-pixels off (or "
+        "--preset "
+        "paper), and neither --sampler surface nor --time");
+  }
 }
 
 }  // namespace
@@ -261,6 +276,7 @@ RenderOptions render_options_for(const RenderArguments& arguments, const SceneDe
   options.samples_per_pixel = arguments.samples_per_pixel.value_or(scene.samples_per_pixel);
   options.seconds = arguments.seconds;
   options.bounces = bounces_for(arguments, scene);
+  check_overture(options);
   check_crop(options.crop, scene.camera);
   return options;
 }

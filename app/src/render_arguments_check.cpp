@@ -72,6 +72,8 @@ void check_camera_path(const RenderArguments& arguments) {
         "--camera-path needs records that serve any camera: give --strategy view-independent or "
         "view-independent-outgoing, or a --baseline");
   }
+  if (!cache.overture)
+    throw InputError("--camera-path makes records before it shades; leave out --overture off");
   if (arguments.seconds > 0.0) throw InputError("--camera-path makes records by --error, not by --time");
   if (cache.records > 0) throw InputError("--camera-path makes records by --error, not by --records");
   if (!arguments.record_maps.empty() || arguments.record_ellipses || arguments.record_overlay ||

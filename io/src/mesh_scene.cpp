@@ -114,6 +114,7 @@ void add_stand_in_light(SceneDescription& scene) {
 SceneDescription read_mesh_scene(const std::filesystem::path& path, const SceneReadOptions& options) {
   SceneDescription scene;
   scene.source = path.string();
+  scene.files = {path};
   for (const auto& [name, value] : options.defines) {
     scene.warnings.push_back(fmt::format("-D {}={}: a bare mesh has no parameters; left out", name, value));
   }

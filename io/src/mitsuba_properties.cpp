@@ -25,7 +25,7 @@ void collect_ids(const XmlElement& element, std::map<std::string, const XmlEleme
 }  // namespace
 
 MitsubaContext::MitsubaContext(const MitsubaXml& xml, MitsubaReport& mitsuba_report)
-    : report(mitsuba_report), search_folders(xml.search_folders) {
+    : report(mitsuba_report), search_folders(xml.search_folders), files(xml.files) {
   collect_ids(xml.root, objects);
 }
 

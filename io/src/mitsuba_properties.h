@@ -17,6 +17,7 @@ namespace vrc {
 struct MitsubaContext {
   MitsubaReport& report;
   std::vector<std::filesystem::path> search_folders;
+  std::vector<std::filesystem::path> files;                       ///< That were read so far.
   std::map<std::string, const XmlElement*, std::less<>> objects;  ///< By id.
 
   /// Throws InputError when two objects share an id. `xml` must outlive the context.

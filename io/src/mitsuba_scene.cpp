@@ -64,6 +64,7 @@ SceneDescription read_mitsuba_scene(const std::filesystem::path& path, const Sce
   add_camera(xml.root, parts, options, context, scene);
   if (!has_emitter(scene)) add_stand_in_light(scene);
 
+  scene.files = std::move(context.files);
   scene.notes.insert(scene.notes.end(), report.notes().begin(), report.notes().end());
   scene.warnings.insert(scene.warnings.end(), report.warnings().begin(), report.warnings().end());
   return scene;

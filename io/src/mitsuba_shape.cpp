@@ -13,11 +13,11 @@
 namespace vrc {
 namespace {
 
-std::filesystem::path mesh_path(const XmlElement& element, Properties& properties,
-                                const MitsubaContext& context) {
+std::filesystem::path mesh_path(const XmlElement& element, Properties& properties, MitsubaContext& context) {
   const std::optional<std::string> name = properties.string("filename");
   if (!name) fail(element, "the filename is missing; add <string name=\"filename\" value=\"...\"/>");
-  return resolve_file(element, *name, context.search_folders);
+  context.files.push_back(resolve_file(element, *name, context.search_folders));
+  return context.files.back();
 }
 
 double read_radius(const XmlElement& element, Properties& properties) {

@@ -116,6 +116,7 @@ class Loader {
 
   MitsubaXml load(const fs::path& path) {
     result_.search_folders.push_back(path.parent_path());
+    result_.files.push_back(path);
     open_files_.push_back(fs::weakly_canonical(path));
     const Document document = parse_document(path);
     const pugi::xml_node root = root_of(document);
@@ -260,6 +261,7 @@ class Loader {
       fail(element, fmt::format("more than {} includes; merge some files", kMaxIncludes));
     }
     open_files_.push_back(canonical);
+    result_.files.push_back(path);
     const Document document = parse_document(path);
     const pugi::xml_node root = root_of(document);
     if (std::string_view(root.name()) == "scene") {

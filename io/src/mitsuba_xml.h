@@ -14,6 +14,7 @@ namespace vrc {
 struct MitsubaXml {
   XmlElement root;                                    ///< The <scene>; no default, include or path is left.
   std::vector<std::filesystem::path> search_folders;  ///< The scene's folder, then its <path> elements.
+  std::vector<std::filesystem::path> files;           ///< The scene's and those that it includes.
 };
 
 /// Element names, attributes and nesting are checked here; types and properties are not. `defines`

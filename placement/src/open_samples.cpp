@@ -33,7 +33,8 @@ void add_open_samples(const TileRecords& records, const Pixel& first_pixel, Take
     const int lane = first_lane(open);
     const std::uint64_t key = hash(0x5a3u, p.triangle[lane], std::bit_cast<std::uint32_t>(float{p.u[lane]}),
                                    std::bit_cast<std::uint32_t>(float{p.v[lane]}));
-    result.push_back({static_cast<std::uint32_t>(p.triangle[lane]), p.u[lane], p.v[lane], key});
+    result.push_back(
+        {static_cast<std::uint32_t>(p.triangle[lane]), p.u[lane], p.v[lane], key, turn_of(pixel.x, pixel.y)});
   }
 }
 

@@ -13,6 +13,7 @@ struct OpenSample {
   std::uint32_t triangle;
   float u, v;
   std::uint64_t key;
+  std::uint32_t turn;  ///< Of its pixel.
 };
 
 /// Samples of a tile's pixels that no region reaches, widened kWideSupport times; at most one for each square

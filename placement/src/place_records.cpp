@@ -57,7 +57,9 @@ class RecordPlacer::Placement {
       result_.records.assign(records.begin(), records.end());
       result_.scale = earlier.scale;
     }
-    if (options.sampler == Sampler::kImage)
+    if (!options.overture)
+      chooser_ = std::make_unique<LineChooser>(points_);
+    else if (options.sampler == Sampler::kImage)
       chooser_ = std::make_unique<OrderedChooser>(points_);
     else
       chooser_ = std::make_unique<FrontChooser>(*charts_, points_);
@@ -125,7 +127,9 @@ class RecordPlacer::Placement {
     return std::min(0.12 * error * error, 133.0 * error * error * error * error);
   }
 
-  void make(const std::vector<RecordSite>& sites, const RecordFactory& factory) {
+  /// `turns` of the records, which count without an overture.
+  void make(const std::vector<RecordSite>& sites, std::span<const std::uint32_t> turns,
+            const RecordFactory& factory) {
     std::vector<RadianceRecord> made(sites.size());
     std::vector<RayCounts> counts(sites.size());
     parallel_for(sites.size(), [&](std::size_t i) {
@@ -138,6 +142,7 @@ class RecordPlacer::Placement {
     }
     for (std::size_t i = 0; i < sites.size(); ++i) {
       if (made[i].found) guides_.add(made[i].site, made[i].found);
+      if (!options_.overture) made[i].turn = turns[i];
       result_.records.push_back(std::move(made[i]));
       result_.counts += counts[i];
     }
@@ -145,9 +150,12 @@ class RecordPlacer::Placement {
 
   void make_at(std::span<const std::uint32_t> points, const RecordFactory& factory) {
     std::vector<RecordSite> sites;
-    for (const std::uint32_t i : points)
+    std::vector<std::uint32_t> turns;
+    for (const std::uint32_t i : points) {
       sites.push_back(make_site(scene_, points_.surface_point(i), points_.key(i)));
-    make(sites, factory);
+      turns.push_back(points_.turn(i));
+    }
+    make(sites, turns, factory);
   }
 
   /// Gives the records from `first` on their regions.
@@ -169,7 +177,7 @@ class RecordPlacer::Placement {
       reaches[i] = reach_over_surface(*charts_, record.site.point, record.region, 1.0);
     });
     for (std::size_t i = 0; i < reaches.size(); ++i)
-      points_.cover(result_.records[first + i].region, reaches[i]);
+      points_.cover(result_.records[first + i].region, reaches[i], result_.records[first + i].turn);
   }
 
   /// Cheap records on a coarse lattice tell the mean luminance and how many rays a record needs, and
@@ -333,7 +341,7 @@ class RecordPlacer::Placement {
     double covering = 1e4 * epsilon;
     // Should the limit end this sweep, its holes must lie everywhere, not beyond a front.
     OrderedChooser ordered(points_);
-    sweep(epsilon, ordered, wanted);
+    sweep(epsilon, options_.overture ? static_cast<PointChooser&>(ordered) : *chooser_, wanted);
     std::size_t checked = 0;  // records when the samples were last looked at
     for (int step = 0; step < kCountRounds && !result_.unfinished; ++step) {
       if (3 * result_.records.size() >= wanted && result_.records.size() > checked) {
@@ -384,17 +392,21 @@ class RecordPlacer::Placement {
                                     options_.supersample_edges, counts[i]);
       });
       std::vector<RecordSite> sites;
+      std::vector<std::uint32_t> turns;
       std::vector<std::size_t> again;
       for (std::size_t i = 0; i < tiles.size(); ++i) {
         result_.counts += counts[i];
         if (!open[i].empty()) again.push_back(tiles[i]);
+        // Line by line the first one's record may show the others.
+        if (!options_.overture && open[i].size() > 1) open[i].resize(1);
         for (const OpenSample& s : open[i]) {
           sites.push_back(
               make_site(scene_, scene_.surface_point(s.triangle, s.u, s.v, scene_.camera().origin), s.key));
+          turns.push_back(s.turn);
         }
       }
       const std::size_t first = result_.records.size();
-      make(sites, factory_);
+      make(sites, turns, factory_);
       shape(first);
       tiles = std::move(again);
     }

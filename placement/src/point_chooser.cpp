@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -39,6 +40,22 @@ std::vector<std::uint32_t> OrderedChooser::choose(std::span<const RadianceRecord
 
 double OrderedChooser::progress() const {
   return static_cast<double>(next_) / static_cast<double>(std::max<std::size_t>(points_.size(), 1));
+}
+
+LineChooser::LineChooser(const VisiblePoints& points) : points_(points), order_(points.size()) {
+  std::iota(order_.begin(), order_.end(), 0u);
+  std::ranges::sort(order_, {}, [&](std::uint32_t i) { return points.turn(i); });
+}
+
+std::vector<std::uint32_t> LineChooser::choose(std::span<const RadianceRecord> /*records*/,
+                                               std::size_t /*limit*/) {
+  while (next_ < order_.size() && !points_.is_open(order_[next_])) ++next_;
+  if (next_ == order_.size()) return {};
+  return {order_[next_]};
+}
+
+double LineChooser::progress() const {
+  return static_cast<double>(next_) / static_cast<double>(std::max<std::size_t>(order_.size(), 1));
 }
 
 void FrontChooser::start() {

@@ -39,6 +39,20 @@ class OrderedChooser : public PointChooser {
   std::size_t next_ = 0;
 };
 
+/// Takes the open points one by one, as the pixels are shaded line by line.
+class LineChooser : public PointChooser {
+ public:
+  explicit LineChooser(const VisiblePoints& points);
+  void start() override { next_ = 0; }
+  std::vector<std::uint32_t> choose(std::span<const RadianceRecord> records, std::size_t limit) override;
+  double progress() const override;
+
+ private:
+  const VisiblePoints& points_;
+  std::vector<std::uint32_t> order_;
+  std::size_t next_ = 0;
+};
+
 /// Grows an anisotropic Poisson-disk set over the surfaces: around the ellipse of each new record six
 /// neighbours are sought at equal angles and equal distance in the ellipse's own metric, in the charts
 /// that it reaches; when the front gives out, the gaps are filled next to the records there are, and

@@ -43,6 +43,7 @@ PackedRecord pack(const RadianceRecord& record) {
   p.gradient_factor = static_cast<float>(record.gradient_factor);
   p.hessian_factor = static_cast<float>(record.hessian_factor);
   p.variance = static_cast<float>(record.estimate.variance.value);
+  p.turn = record.turn;
   return p;
 }
 

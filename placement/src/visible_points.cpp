@@ -44,6 +44,7 @@ int pilot_stride(const PlacementView& view) {
 struct FilmPosition {
   float x, y;
   std::uint64_t key;
+  std::uint32_t turn;
 };
 
 }  // namespace
@@ -94,6 +95,7 @@ class VisiblePoints::Collector {
       point.v = p.v[i];
       point.region = p.region[i];
       point.key = positions[index].key;
+      point.turn = positions[index].turn;
     }
   }
 };
@@ -126,8 +128,10 @@ SurfacePoint VisiblePoints::surface_point(std::size_t i) const {
   return scene.surface_point(p.triangle, p.u, p.v, scene.camera().origin);
 }
 
-void VisiblePoints::cover(const ValidRegion& region, const SurfaceReach& reach) {
-  for_each_within(region, reach, 1.0, [&](std::uint32_t i, float, float, float) { covered_[i] = 1; });
+void VisiblePoints::cover(const ValidRegion& region, const SurfaceReach& reach, std::uint32_t turn) {
+  for_each_within(region, reach, 1.0, [&](std::uint32_t i, float, float, float) {
+    if (points_[i].turn >= turn) covered_[i] = 1;
+  });
 }
 
 void VisiblePoints::clear_coverage() { std::ranges::fill(covered_, std::uint8_t{0}); }
@@ -140,7 +144,8 @@ VisiblePoints pixel_centres(const SceneCharts& charts, const PlacementView& view
   for (int y = view.y0; y < view.y1; ++y) {
     for (int x = view.x0; x < view.x1; ++x) {
       // The key depends on the film's coordinates only, not on the window.
-      positions.push_back({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, hash(0x9121u, x, y)});
+      positions.push_back(
+          {static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, hash(0x9121u, x, y), turn_of(x, y)});
     }
   }
   const int stride = pilot_stride(view);
@@ -160,7 +165,7 @@ VisiblePoints film_points(const SceneCharts& charts, const PlacementView& view, 
       return static_cast<float>((static_cast<double>(bits) + 0.5) * 0x1p-32 * size);
     };
     positions.push_back({static_cast<float>(view.x0) + coordinate(0, width),
-                         static_cast<float>(view.y0) + coordinate(1, height), hash(0xf117u, i)});
+                         static_cast<float>(view.y0) + coordinate(1, height), hash(0xf117u, i), 0});
   }
   const double stride = pilot_stride(view);
   const auto pilots = static_cast<std::size_t>(std::ceil(width * height / (stride * stride)));

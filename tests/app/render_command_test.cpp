@@ -226,6 +226,20 @@ TEST_F(RenderCommand, PassesDefinesToTheScene) {
   EXPECT_GT(bright.pixel(16, 23)[0], 3.0f * dark.pixel(16, 23)[0]);
 }
 
+TEST_F(RenderCommand, ShadesWithoutAnOverture) {
+  const auto refused = run_vrc(render({"-o", at("a.exr"), "--overture", "off"}));
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("--joint-fit off"));
+  for (const char* threads : {"1", "2"}) {
+    const auto result = run_vrc(render({"-o", at(threads + std::string(".png")), "--overture", "off",
+                                        "--preset", "paper", "--threads", threads}));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+  }
+  EXPECT_EQ(test::read_file(at("1.png")), test::read_file(at("2.png")));
+  ASSERT_EQ(run_vrc(render({"-o", at("with.png"), "--preset", "paper"})).exit_code, 0);
+  EXPECT_NE(test::read_file(at("1.png")), test::read_file(at("with.png")));
+}
+
 TEST_F(RenderCommand, RendersABareMesh) {
   test::write_file(folder_ / "m.obj",
                    "v -1 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n");

@@ -70,6 +70,42 @@ TEST(PlaceRecords, ReachesEverySampleOfThePicture) {
   }
 }
 
+/// The picture without an overture: records are made one after another, line by line.
+TEST(PlaceRecords, WithoutAnOverturePixelsBlendOnlyWhatTheyOrEarlierOnesAskedFor) {
+  const Picture picture("cornell_glossy.xml", 64);
+  CacheOptions options = cheap();
+  options.overture = options.joint_fit = options.hard_pixels = options.supersample_edges = false;
+  PlacementResult placed = picture.place(options);
+  const auto counted = static_cast<double>(placed.records.size());
+  options.overture = true;
+  EXPECT_NEAR(counted, static_cast<double>(picture.place(options).records.size()), 0.3 * counted);
+
+  std::uint32_t latest = 0;
+  std::size_t rising = 0;  // at the beginning; then come those of samples beside the pixels' centres
+  for (; rising < placed.records.size() && placed.records[rising].turn >= latest; ++rising)
+    latest = placed.records[rising].turn;
+  EXPECT_GT(static_cast<double>(rising), 0.7 * counted);
+
+  const RadianceCache cache(placed.charts, std::move(placed.records), placed.reaches, placed.brdfs);
+  EXPECT_EQ(uncovered_samples(picture, cache), 0u);
+  RayCounts counts;
+  const Tile tile = trace_tile(picture.scene, picture.film, {{0, 0}, {40, 1}}, {0, 1}, counts);
+  const TileRecords records(cache, tile);
+  std::size_t blended = 0;
+  for (const std::size_t packet : {0u, 1u}) {
+    records.for_each(packet, 1.0f, [&](const PackedRecord& record, const Coverage16&) {
+      EXPECT_LE(record.turn, turn_of(tile.pixels[packet].x, tile.pixels[packet].y));
+      ++blended;
+    });
+  }
+  EXPECT_GE(blended, 2u);
+}
+
+TEST(PlaceRecords, WithAnOvertureEveryPixelMayBlendEveryRecord) {
+  const Picture picture("cornell_glossy.xml", 64);
+  for (const RadianceRecord& record : picture.place(cheap()).records) EXPECT_EQ(record.turn, 0u);
+}
+
 TEST(PlaceRecords, MakesTheWantedNumberOfRecords) {
   for (const char* name : {"half_box.xml", "cornell_glossy.xml"}) {
     const Picture picture(name, 128);

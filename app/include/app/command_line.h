@@ -6,7 +6,8 @@ namespace vrc {
 /// Exit codes of the program, for scripts.
 enum ExitCode : int {
   kExitDone = 0,
-  kExitFailure = 1,       ///< An error of the program itself; or `compare` found values that are not finite.
+  kExitFailure = 1,       ///< An error of the program itself; `compare` found values that are not finite;
+                            ///< a claim of a `figure` does not hold.
   kExitBadInput = 2,      ///< A file or an argument cannot be used.
   kExitInterrupted = 130  ///< SIGINT or SIGTERM; what was written is marked as unfinished.
 };

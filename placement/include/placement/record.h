@@ -48,6 +48,7 @@ struct RadianceRecord {
   std::array<Jet2, 3> radiance;  ///< What is interpolated: limited and fitted. In the site's frame.
   ValidRegion region;
   std::uint64_t rays = 0;  ///< Whose mean `estimate` is.
+  std::uint32_t turn = 0;  ///< Of the first pixel that may blend it, `turn_of`; 0 with an overture.
   SiteCurvature curvature;
   /// Null until they are asked for; used when `harmonics_reason` says so.
   std::shared_ptr<const RecordHarmonics> harmonics;
@@ -59,6 +60,11 @@ struct RadianceRecord {
 
   [[nodiscard]] bool uses_harmonics() const { return harmonics_reason != HarmonicsReason::kNone; }
 };
+
+/// When a pixel is shaded that is shaded line by line: 0 for the first.
+[[nodiscard]] constexpr std::uint32_t turn_of(int x, int y) {
+  return static_cast<std::uint32_t>(y) << 16 | static_cast<std::uint32_t>(x);
+}
 
 /// What each record reaches over its surface with its region widened `support` times.
 [[nodiscard]] std::vector<SurfaceReach> reaches_of(const SceneCharts& charts,

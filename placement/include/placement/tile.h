@@ -29,6 +29,11 @@ struct Tile {
   int packets_per_pixel = 1;  ///< In this tile: the length of its range.
   std::vector<CameraPacket> packets;
   std::vector<SurfacePoint16> points;  ///< Parallel to `packets`.
+
+  [[nodiscard]] std::uint32_t turn(std::size_t packet) const {
+    const Pixel& p = pixels[packet / static_cast<std::size_t>(packets_per_pixel)];
+    return turn_of(p.x, p.y);
+  }
 };
 
 /// Tiles of a pixel rectangle, in rows from the top; the last of a row or column may be smaller.
@@ -99,14 +104,15 @@ class TileRecords {
   [[nodiscard]] const Tile& tile() const { return tile_; }
 
   /// Calls body(record, coverage) for the records that reach a point of packet `packet` of the tile
-  /// over its surface and whose region, widened `support` times, holds it.
+  /// over its surface, whose region, widened `support` times, holds it, and whose turn has come.
   template <typename Body>
   void for_each(std::size_t packet, float support, const Body& body) const {
     const SurfacePoint16& p = tile_.points[packet];
+    const std::uint32_t turn = tile_.turn(packet);
     for (const std::uint32_t index : candidates_) {
       const RadianceCache::Footprint& f = cache_.footprints()[index];
       const PackedRecord& record = cache_.packed()[f.record];
-      if (!may_reach(record, p, support)) continue;
+      if (record.turn > turn || !may_reach(record, p, support)) continue;
       const I16 reached = cache_.reaches(f, at_[packet], p.triangle);
       if (!any(reached)) continue;
       const Coverage16 c = coverage(record, p.position, p.normal, reached, support);

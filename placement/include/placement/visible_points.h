@@ -25,8 +25,11 @@ class VisiblePoints {
   /// Of the random numbers of a record at this point.
   [[nodiscard]] std::uint64_t key(std::size_t i) const { return points_[i].key; }
 
-  /// Marks the points that the region reaches with a joint distance below 1.
-  void cover(const ValidRegion& region, const SurfaceReach& reach);
+  /// When the pixel of this point is shaded line by line, `turn_of`; 0 for points that are no pixels.
+  [[nodiscard]] std::uint32_t turn(std::size_t i) const { return points_[i].turn; }
+
+  /// Marks the points that the region reaches with a joint distance below 1, from `turn` on.
+  void cover(const ValidRegion& region, const SurfaceReach& reach, std::uint32_t turn = 0);
   /// Counts a point as covered whatever its record's region: a record may move away from its point.
   void take(std::size_t i) { covered_[i] = 1; }
   void clear_coverage();
@@ -51,6 +54,7 @@ class VisiblePoints {
     float u = 0.0f, v = 0.0f;
     std::int32_t region = -1;
     std::uint64_t key = 0;
+    std::uint32_t turn = 0;
   };
   class Collector;
 

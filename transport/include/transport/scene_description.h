@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <variant>
@@ -46,6 +47,7 @@ struct FilmDescription {
 /// Everything a scene file says, in memory, without acceleration structures.
 struct SceneDescription {
   std::string source;
+  std::vector<std::filesystem::path> files;  ///< That were read: the source, what it includes, meshes.
   std::vector<ShapeDescription> shapes;
   std::vector<Material> materials;
   std::vector<DeltaLight> delta_lights;

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "figure_panel.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+#include "core/hash.h"
+#include "core/image_error.h"
+#include "core/image_structure.h"
+#include "error_colors.h"
+#include "figure_derivatives.h"
+#include "figure_equal_time.h"
+#include "io/image_io.h"
+#include "picture_file.h"
+#include "render_arguments.h"
+#include "scene_run.h"
+
+namespace vrc {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kMeanLuminance = 0.5;  // that pictures are scaled to for relMSE
+
+/// What a user would type for a panel, and what it means.
+struct PanelCommand {
+  std::string text;
+  RenderArguments arguments;
+};
+
+/// `extra` words come last. Files are named in the text without their folder.
+PanelCommand command_of(const FigureGroup& group, const FigurePanel& panel, const std::string& extra,
+                        const PanelPlace& place) {
+  std::vector<std::string> words = {"render", (place.scenes / group.scene).string()};
+  for (const std::string& word : words_of(group.words + " " + panel.words + " " + extra))
+    words.push_back(word);
+  PanelCommand command;
+  command.text =
+      fmt::format("vrc render {}", (fs::path(place.scenes.filename()) / group.scene).generic_string());
+  for (std::size_t i = 2; i < words.size(); ++i) command.text += " " + words[i];
+  command.text += fmt::format(" -o {}.exr", panel.id);
+  words.insert(words.end(), {"-o", (place.folder / (panel.id + ".exr")).string()});
+
+  CLI::App program;
+  CLI::App* render = program.add_subcommand("render");
+  declare_render_options(*render, command.arguments);
+  std::ranges::reverse(words);
+  program.parse(words);
+  command.arguments.threads = place.threads;
+  command.arguments.quiet = place.quiet;
+  return command;
+}
+
+SceneRun run_whole(const PanelCommand& command, const std::atomic<bool>& stop) {
+  check_render_arguments(command.arguments);
+  SceneRun run = run_scene(command.arguments, command.text, stop, [](const SceneDescription&) {});
+  if (run.result.stats.unfinished) throw Interrupted();
+  return run;
+}
+
+Image scaled(const Image& image, float scale) {
+  Image result = image;
+  for (float& v : result.pixels) v *= scale;
+  return result;
+}
+
+double mean_luminance(const Image& image) {
+  double sum = 0.0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const float* p = image.pixel(x, y);
+      sum += static_cast<double>(luminance(Rgb(p[0], p[1], p[2])));
+    }
+  }
+  return sum / static_cast<double>(image.pixel_count());
+}
+
+NamedNumbers numbers_of(const RunReport& report, const RenderResult& result) {
+  NamedNumbers numbers;
+  if (report.options.method == Method::kCache) {
+    const auto records = static_cast<double>(result.stats.records);
+    const int rays = report.options.cache.gather_rays;
+    numbers.emplace_back("records", records);
+    numbers.emplace_back("gather_rays",
+                         rays > 0 ? std::exp2(log2_rays_for(rays))
+                                  : static_cast<double>(result.stats.gather_rays) / std::max(records, 1.0));
+  }
+  numbers.emplace_back("spp", report.options.samples_per_pixel);
+  numbers.emplace_back("seconds", report.render_seconds);
+  numbers.emplace_back("cpu_seconds", render_cpu_seconds(result));
+  return numbers;
+}
+
+/// Writes the pictures of a panel besides those of its records.
+PanelStamp write_pictures(const FigurePanel& panel, const PanelPlace& place, const PanelCommand& command,
+                          const Image& image, const RunReport& report) {
+  PanelStamp stamp;
+  stamp.command = command.text;
+  stamp.files = {panel.id + ".exr", panel.id + ".png"};
+  for (const std::string& file : stamp.files)
+    write_picture(place.folder / file, image, command.arguments.display, report);
+  return stamp;
+}
+
+PanelStamp make_reference(const FigureGroup& group, const FigurePanel& panel, const PanelPlace& place,
+                          const std::atomic<bool>& stop) {
+  std::vector<Image> halves;
+  std::vector<std::string> files;
+  NamedNumbers numbers;
+  RunReport report;
+  for (const char* half : {"a", "b"}) {
+    const PanelCommand command = command_of(group, panel, *half == 'a' ? "--seed 1" : "--seed 2", place);
+    const SceneRun run = run_whole(command, stop);
+    files.push_back(fmt::format("{}_{}.exr", panel.id, half));
+    write_picture(place.folder / files.back(), run.result.image, command.arguments.display, run.report);
+    halves.push_back(run.result.image);
+    const NamedNumbers own = numbers_of(run.report, run.result);
+    if (numbers.empty()) {
+      numbers = own;
+      report = run.report;
+    } else {
+      for (std::size_t i = 0; i < own.size(); ++i) numbers[i].second += own[i].second;
+    }
+  }
+  const PanelCommand command = command_of(group, panel, "--seed 1", place);
+  PanelStamp stamp = write_pictures(panel, place, command, mean_rgb(halves[0], halves[1]), report);
+  stamp.files.insert(stamp.files.end(), files.begin(), files.end());
+  stamp.numbers = numbers;
+  return stamp;
+}
+
+/// Adds the files of the records.
+void write_records(const FigurePanel& panel, const PanelPlace& place, const RenderArguments& given,
+                   const RenderResult& result, PanelStamp& stamp) {
+  if (!result.cache) return;
+  RenderArguments arguments = given;
+  const std::string map = panel.id + "_records.csv", overlay = panel.id + "_records.png";
+  arguments.record_maps = {place.folder / map};
+  arguments.record_overlay = place.folder / overlay;
+  OutputErrors errors;
+  write_record_files(arguments, result, errors);
+  errors.rethrow_first();
+  stamp.files.insert(stamp.files.end(), {map, overlay});
+}
+
+PanelStamp make_render(const FigureGroup& group, const FigurePanel& panel, const PanelStamps& earlier,
+                       const PanelPlace& place, const std::atomic<bool>& stop) {
+  PanelCommand command;
+  const auto render = [&](const std::string& extra) {
+    command = command_of(group, panel, extra, place);
+    return run_whole(command, stop);
+  };
+  SceneRun run;
+  if (panel.equal_time) {
+    const double seconds = number_of(earlier.at(panel.equal_time->panel).numbers, "cpu_seconds");
+    const auto words = [&](int number) { return fmt::format("{} {}", panel.equal_time->option, number); };
+    TimedRun timed =
+        run_for_time(*panel.equal_time, seconds, [&](int number) { return render(words(number)); });
+    run = std::move(timed.run);
+    command = command_of(group, panel, words(timed.number), place);
+  } else {
+    run = render("");
+  }
+  const Image& image = run.result.image;
+  PanelStamp stamp = write_pictures(panel, place, command, image, run.report);
+  write_records(panel, place, command.arguments, run.result, stamp);
+  stamp.numbers = numbers_of(run.report, run.result);
+  if (!panel.reference.empty()) {
+    const PanelStamp& reference = earlier.at(panel.reference);
+    const Display& display = command.arguments.display;
+    const NamedNumbers errors = errors_against(place.folder, reference, image, display);
+    stamp.numbers.insert(stamp.numbers.end(), errors.begin(), errors.end());
+    stamp.files.push_back(panel.id + "_error.png");
+    write_png(place.folder / stamp.files.back(),
+              error_colors(image, read_image(place.folder / reference.files.front())));
+  }
+  return stamp;
+}
+
+/// Everything that the panel's files depend on.
+std::uint64_t key_of(const FigureGroup& group, const FigurePanel& panel, const PanelStamps& earlier,
+                     std::uint64_t scene_key) {
+  std::uint64_t key = hash(scene_key, panel.kind);
+  for (const std::string& text : {group.scene, group.words, group.quantity, panel.words, panel.method})
+    key = hash_bytes(key, text);
+  if (panel.equal_time) key = hash_bytes(key, panel.equal_time->option);
+  for (const std::string& other :
+       {panel.reference, panel.equal_time ? panel.equal_time->panel : std::string()}) {
+    if (!other.empty()) key = hash(key, earlier.at(other).key);
+  }
+  if (panel.equal_time) {
+    // Another measurement of the time asks for another number.
+    const double seconds = number_of(earlier.at(panel.equal_time->panel).numbers, "cpu_seconds");
+    key = hash(key, std::bit_cast<std::uint64_t>(seconds));
+  }
+  return key;
+}
+
+}  // namespace
+
+NamedNumbers errors_against(const fs::path& folder, const PanelStamp& reference, const Image& image,
+                            const Display& display) {
+  VRC_CHECK(reference.files.size() >= 4, "a reference has {} files", reference.files.size());
+  const Image mean = read_image(folder / reference.files[0]);
+  const Image a = read_image(folder / reference.files[2]), b = read_image(folder / reference.files[3]);
+  const auto scale = static_cast<float>(kMeanLuminance / std::max(mean_luminance(mean), 1e-30));
+  const Image measured = scaled(image, scale);
+  const std::array half = {0.5};
+  const Image error = relative_error_map(measured, scaled(mean, scale));
+  return {{"relmse", two_half_relmse(measured, scaled(a, scale), scaled(b, scale))},
+          {"median_error", percentiles(error, half).front()},
+          {"ssim", mean_ssim(encoded(image, display), encoded(mean, display))}};
+}
+
+MadePanel make_panel(const FigureGroup& group, const FigurePanel& panel, std::uint64_t scene_key,
+                     const PanelStamps& earlier, const PanelPlace& place, const std::atomic<bool>& stop) {
+  const std::uint64_t key = key_of(group, panel, earlier, scene_key);
+  if (!place.restart) {
+    if (std::optional<PanelStamp> stamp = read_stamp(place.folder, panel.id, key))
+      return {std::move(*stamp), true};
+  }
+  remove_stamp(place.folder, panel.id);
+  PanelStamp stamp;
+  switch (panel.kind) {
+    case PanelKind::kRender:
+      stamp = make_render(group, panel, earlier, place, stop);
+      break;
+    case PanelKind::kReference:
+      stamp = make_reference(group, panel, place, stop);
+      break;
+    case PanelKind::kDerivatives:
+      stamp = make_derivatives(group, panel, scene_key, place, stop);
+      break;
+  }
+  stamp.key = key;
+  write_stamp(place.folder, panel.id, stamp);
+  return {std::move(stamp), false};
+}
+
+}  // namespace vrc

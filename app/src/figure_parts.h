@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <utility>
+
+#include "figure.h"
+
+/// What the definitions of figures are made of.
+namespace vrc {
+
+template <typename T>
+[[nodiscard]] T pick(FigureSize size, T quick, T full) {
+  return size == FigureSize::kQuick ? quick : full;
+}
+
+/// Indirect light of one bounce in a picture of so many pixels, as all figures of the paper show.
+[[nodiscard]] std::string indirect_words(int width, int height);
+
+/// The picture that others are compared with; `rays` are guided ones of a pixel, of each half.
+[[nodiscard]] FigurePanel reference_panel(std::string id, int spp, int rays);
+[[nodiscard]] FigurePanel reference_panel(std::string id, FigureSize size);
+
+/// Options of so many records and rays of each.
+[[nodiscard]] std::string records_words(int records, int gather_rays);
+
+/// The option and number with a bound or without.
+[[nodiscard]] FigureMeasure ratio_measure(std::string name, const std::string& panel, const std::string& of,
+                                          const std::string& number, std::optional<FigureBound> bound,
+                                          std::optional<double> paper = {});
+/// A number of one panel.
+[[nodiscard]] FigureMeasure panel_measure(std::string name, const std::string& panel,
+                                          const std::string& number, std::optional<FigureBound> bound,
+                                          std::optional<double> paper = {});
+
+[[nodiscard]] constexpr FigureBound at_least(double limit) { return {true, limit}; }
+[[nodiscard]] constexpr FigureBound at_most(double limit) { return {false, limit}; }
+
+[[nodiscard]] Figure figure_1(FigureSize size);
+[[nodiscard]] Figure figure_2(FigureSize size);
+[[nodiscard]] Figure figure_3(FigureSize size);
+[[nodiscard]] Figure figure_4(FigureSize size);
+[[nodiscard]] Figure figure_5(FigureSize size);
+[[nodiscard]] Figure figure_6(FigureSize size);
+[[nodiscard]] Figure figure_7(FigureSize size);
+[[nodiscard]] Figure figure_8(FigureSize size);
+[[nodiscard]] Figure figure_9(FigureSize size);
+[[nodiscard]] Figure figure_10(FigureSize size);
+[[nodiscard]] Figure figure_11(FigureSize size);
+[[nodiscard]] Figure figure_12(FigureSize size);
+
+}  // namespace vrc
