@@ -70,8 +70,7 @@ float HardPixels::scale_of(const PixelFacts& facts) const {
 }
 
 float HardPixels::relative_error_of(const PixelFacts& facts) const {
-  const float scale = scale_of(facts);
-  return facts.squared_error / (scale * scale);
+  return facts.squared_error / square_scale_of(facts);
 }
 
 bool HardPixels::is_hard(const PixelFacts& facts) const {
@@ -255,8 +254,8 @@ void HardPixels::calibrate(const TileLayout& layout) {
     for (const Pixel& p : pixels_of(layout, i)) {
       PixelFacts& facts = facts_[index_of(p)];
       facts.squared_error *= static_cast<float>(factor);
-      const float scale = scale_of(facts);
-      if (facts.sees_edge) facts.squared_error = std::max(facts.squared_error, least * scale * scale);
+      if (facts.sees_edge)
+        facts.squared_error = std::max(facts.squared_error, least * square_scale_of(facts));
     }
   });
 }
@@ -358,8 +357,7 @@ void HardPixels::blend(const TileLayout& layout) {
     }
   });
   for (std::size_t i = 0; i < facts_.size(); ++i) {
-    const float scale = scale_of(facts_[i]);
-    if (errors[i] >= 0.0f) facts_[i].squared_error = errors[i] * scale * scale;
+    if (errors[i] >= 0.0f) facts_[i].squared_error = errors[i] * square_scale_of(facts_[i]);
   }
 }
 
@@ -369,7 +367,7 @@ void HardPixels::sum_up(const TileLayout& layout) {
     for (const Pixel& p : pixels_of(layout, i)) {
       const PixelFacts& facts = facts_[index_of(p)];
       if (facts.region < 0) continue;
-      sum += static_cast<double>(relative_error_of(facts));
+      sum += static_cast<double>(facts.total_error() / square_scale_of(facts));
       ++pixels;
     }
   }

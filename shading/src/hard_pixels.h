@@ -102,8 +102,11 @@ class HardPixels {
   void blend(const TileLayout& layout);
   void sum_up(const TileLayout& layout);
   [[nodiscard]] std::size_t index_of(const Pixel& p) const;
-  [[nodiscard]] float scale_of(const PixelFacts& facts) const;           ///< `perceived` luminance.
-  [[nodiscard]] float relative_error_of(const PixelFacts& facts) const;  ///< Squared.
+  [[nodiscard]] float scale_of(const PixelFacts& facts) const;  ///< `perceived` luminance.
+  [[nodiscard]] float square_scale_of(const PixelFacts& facts) const {
+    return scale_of(facts) * scale_of(facts);
+  }
+  [[nodiscard]] float relative_error_of(const PixelFacts& facts) const;  ///< Squared, at the samples.
 
   const Scene& scene_;
   const FilmSampler& film_;

@@ -14,7 +14,8 @@ struct PixelFacts {
   bool sees_edge = false;
   // Of indirect light: sums over the samples, and means after `finish`.
   float luminance = 0.0f, luminance2 = 0.0f;
-  float squared_error = 0.0f;  ///< Of the luminance; before `finish` Interpolated16::squared_error.
+  float squared_error = 0.0f;   ///< Of the luminance at the samples; Interpolated16::squared_error.
+  float sampling_error = 0.0f;  ///< Squared, of the samples' mean; set by `finish`.
   /// The least of its samples' smooth regions, the same all along an edge, and the normal of one of them
   /// there; -1: no sample scatters.
   std::int32_t region = -1;
@@ -37,8 +38,11 @@ struct PixelFacts {
     for (float* sum : {&luminance, &luminance2, &squared_error}) *sum *= scale;
     // The records' predictions err together over a pixel; its samples lie in a net.
     const float spread = std::max(luminance2 - luminance * luminance, 0.0f);
-    squared_error += kErrorOfNet * spread * std::pow(scale, kNetConvergence);
+    sampling_error = kErrorOfNet * spread * std::pow(scale, kNetConvergence);
   }
+  /// Squared error of the pixel's luminance.
+  [[nodiscard]] float total_error() const { return squared_error + sampling_error; }
+
   static constexpr float kErrorOfNet = 0.3f, kNetConvergence = 1.5f;
 };
 

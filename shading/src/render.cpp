@@ -286,7 +286,7 @@ class Renderer {
     for (int y = layout_.y0; y < layout_.y1; ++y) {
       for (int x = layout_.x0; x < layout_.x1; ++x) {
         float* pixel = image.pixel(x, y);
-        if (layers_.error >= 0) pixel[layers_.error] = std::sqrt(facts_[index_of({x, y})].squared_error);
+        if (layers_.error >= 0) pixel[layers_.error] = std::sqrt(facts_[index_of({x, y})].total_error());
         for (int c = 0; c < 3; ++c) {
           pixel[c] = (wants_direct_ ? pixel[layers_.direct + c] : 0.0f) +
                      (wants_indirect_ ? pixel[layers_.indirect + c] : 0.0f);
