@@ -21,13 +21,15 @@ constexpr double kHalfRays = 0.07;
 constexpr int kLog2MostRays = 12;  // of a half
 // Pixels that stay hard get 2^kLog2Further times the rays once more, up to kFurtherRounds times.
 constexpr int kLog2Further = 2, kFurtherRounds = 3;
-constexpr int kAround = 4;              // pixels of the neighbourhood that is averaged
-constexpr float kSpread = 2.0f;         // deviation of its weights
-constexpr float kSimilarNormal = 0.9f;  // cosine of normals that are averaged
+constexpr int kAround = 4;       // pixels of the neighbourhood that is averaged
+constexpr float kSpread = 2.0f;  // deviation of its weights
+// Cosine of normals, and ratio of luminances, that are averaged.
+constexpr float kSimilarNormal = 0.9f, kSimilarBrightness = 1.5f;
 // Deviation of the estimates' ratio to the truth before the survey, and how far the calibration may go.
 constexpr double kPriorDeviation = 0.4, kMostCalibration = 4.0;
 constexpr double kPriorEdges = 4.0;        // pixels with edges that `accepted` counts for
 constexpr std::size_t kFewestAtOnce = 64;  // pixels
+constexpr float kSignificant = 9.0f;       // squared deviations by which a single pixel stands out
 
 int log2_rays_of_half(double error) {
   const double rays = kHalfRays / (error * error);
@@ -274,8 +276,10 @@ void HardPixels::for_each_alike(const Pixel& pixel, const Body& body) const {
     for (int x = std::max(pixel.x - kAround, 0); x <= std::min(pixel.x + kAround, camera.width - 1); ++x) {
       const std::size_t index = index_of({x, y});
       const PixelFacts& other = facts_[index];
+      const float brightness = scale_of(other) / scale_of(own);
       if (other.region != own.region || other.sees_edge != own.sees_edge ||
-          other.normal.dot(own.normal) < kSimilarNormal)
+          other.normal.dot(own.normal) < kSimilarNormal || brightness > kSimilarBrightness ||
+          brightness * kSimilarBrightness < 1.0f)
         continue;
       const std::int32_t at = sampled_at_[index];
       body(kWeights[static_cast<std::size_t>(std::abs(x - pixel.x))] *
@@ -308,7 +312,8 @@ HardPixels::Around HardPixels::around(const Pixel& pixel) const {
   a.bias = std::max(a.bias + relative_error_of(facts_[index_of(pixel)]), 0.0f) / (a.weight + 1.0f);
   a.noise *= scale;
   // Only what stands out from its own scatter: else single pixels would keep their noise.
-  a.detail = std::max(scale * (a.detail - std::sqrt(detail_squares)), 0.0f);
+  a.sure_detail = std::max(scale * (a.detail - std::sqrt(detail_squares)), 0.0f);
+  a.detail = std::max(scale * a.detail, 0.0f);
   a.noise_of_mean = a.noise * squares * scale * scale;
   a.share = std::min(1.0f, 2.0f * a.weight / all);
   return a;
@@ -336,9 +341,16 @@ HardPixels::Correction HardPixels::correction_of(const Pixel& pixel) const {
                                                  mean_share * mean_share * a.noise_of_mean};
   const std::int32_t at = sampled_at_[index_of(pixel)];
   if (at >= 0 && sampled_[static_cast<std::size_t>(at)].hard) {
-    const float detail_share = a.share * ratio(a.detail, a.noise);
-    result.change += detail_share * (sampled_[static_cast<std::size_t>(at)].residual - a.residual);
-    result.error = mean_share * a.noise_of_mean + detail_share * a.noise;
+    const Sampled& own = sampled_[static_cast<std::size_t>(at)];
+    // Where both of its gathers say so, a pixel stands out whatever those around do, as thin rims do.
+    const float own_noise = std::max(a.noise, own.noise);
+    const bool stands_out = own.detail > std::max(kSignificant * own_noise, a.sure_detail);
+    const float noise = stands_out ? own_noise : a.noise;
+    const float detail_share = a.share * ratio(stands_out ? own.detail : a.sure_detail, noise);
+    result.change += detail_share * (own.residual - a.residual);
+    const float kept = 1.0f - detail_share;
+    result.error =
+        mean_share * a.noise_of_mean + detail_share * detail_share * noise + kept * kept * a.detail;
   }
   return result;
 }

@@ -69,6 +69,7 @@ class HardPixels {
     Rgb residual = Rgb::Zero();
     std::array<float, 2> difference{};
     float bias = 0.0f, noise = 0.0f, detail = 0.0f;
+    float sure_detail = 0.0f;    ///< Of `detail`, what is more than its scatter.
     float noise_of_mean = 0.0f;  ///< Of the mean of `residual`.
   };
 
