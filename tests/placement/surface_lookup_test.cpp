@@ -70,6 +70,7 @@ RadianceRecord record_at(const Scene& scene, const SurfacePoint& point, double r
 /// Sixteen or fewer points as a renderer meets them.
 Tile tile_of(const std::vector<SurfacePoint>& points) {
   Tile tile;
+  tile.pixels = {Pixel{0, 0}};
   SurfacePoint16 p{};
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto lane = static_cast<int>(i);

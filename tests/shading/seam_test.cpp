@@ -68,6 +68,7 @@ Tile tile_of(const SeamPoint& seam, const Vec3& viewer) {
     store(p.normal, same.normal);
   }
   Tile tile;
+  tile.pixels = {Pixel{0, 0}};
   CameraPacket packet{};
   packet.direction = splat3(Vec3((seam.side[0].position - viewer).normalized()));
   tile.packets = {packet};

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 #include "placement/radiance_cache.h"
@@ -31,9 +30,7 @@ struct Tile {
   std::vector<CameraPacket> packets;
   std::vector<SurfacePoint16> points;  ///< Parallel to `packets`.
 
-  /// Of points without pixels: after all others.
   [[nodiscard]] std::uint32_t turn(std::size_t packet) const {
-    if (pixels.empty()) return std::numeric_limits<std::uint32_t>::max();
     const Pixel& p = pixels[packet / static_cast<std::size_t>(packets_per_pixel)];
     return turn_of(p.x, p.y);
   }
