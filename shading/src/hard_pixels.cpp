@@ -151,7 +151,6 @@ void HardPixels::gather(std::vector<Sampled> chosen, const RunControl& control, 
 
 void HardPixels::gather_further(const RunControl& control, RayCounts& counts) {
   for (int round = 0; round < kFurtherRounds && !control.stopped(); ++round) {
-    find_detail();
     std::vector<float> left(sampled_.size());
     parallel_for(sampled_.size(), [&](std::size_t i) {
       if (sampled_[i].hard) left[i] = correction_of(sampled_[i].pixel).error;
@@ -162,6 +161,7 @@ void HardPixels::gather_further(const RunControl& control, RayCounts& counts) {
     }
     if (chosen.empty()) return;
     gather(std::move(chosen), control, counts);
+    find_detail();
   }
 }
 
@@ -247,10 +247,10 @@ void HardPixels::calibrate(const TileLayout& layout) {
   const auto least = static_cast<float>(std::max(edge_error / edges, 0.0));
   double factor = 1.0;
   if (estimated > 0.0) {
-    const double ratio = measured / estimated;
+    const double relative = measured / estimated;
     const double variance = (squares - measured * measured / pixels) / (estimated * estimated);
     const double share = kPriorDeviation * kPriorDeviation / (kPriorDeviation * kPriorDeviation + variance);
-    factor = std::clamp(1.0 + share * (ratio - 1.0), 1.0 / kMostCalibration, kMostCalibration);
+    factor = std::clamp(1.0 + share * (relative - 1.0), 1.0 / kMostCalibration, kMostCalibration);
   }
   parallel_for(layout.count(), [&](std::size_t i) {
     for (const Pixel& p : pixels_of(layout, i)) {
@@ -356,7 +356,6 @@ HardPixels::Correction HardPixels::correction_of(const Pixel& pixel) const {
 }
 
 void HardPixels::blend(const TileLayout& layout) {
-  find_detail();
   // Corrections look at the estimates of pixels around, so these are replaced when all are known.
   std::vector<float> errors(facts_.size(), -1.0f);
   parallel_for(layout.count(), [&](std::size_t i) {
@@ -391,6 +390,7 @@ void HardPixels::refine(const TileLayout& layout, const RunControl& control, Ray
   gather(survey(layout), control, counts);
   calibrate(layout);
   gather_hard(layout, timer, control, counts);
+  find_detail();
   if (options_.seconds == 0.0) gather_further(control, counts);
   if (control.stopped()) return;
   blend(layout);
