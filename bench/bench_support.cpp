@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "core/image_error.h"
+#include "core/parallel.h"
 #include "io/image_io.h"
 #include "io/scene_reader.h"
 
@@ -99,11 +100,6 @@ class DescriptionHash {
   std::uint64_t value_ = kReferenceFormat;
 };
 
-Image scaled(Image image, float scale) {
-  for (float& v : image.pixels) v *= scale;
-  return image;
-}
-
 /// The chosen pixels in one row.
 Image selected(const Image& image, const PixelMask& mask) {
   Image result(static_cast<int>(std::ranges::count(mask, true)), 1, image.channels);
@@ -127,14 +123,6 @@ Image reference_half(const Scene& scene, const fs::path& file, const PictureSett
 }
 
 }  // namespace
-
-Image rgb_of(const Image& image) {
-  Image result(image.width, image.height, {"R", "G", "B"});
-  for (std::size_t p = 0; p < image.pixel_count(); ++p) {
-    std::copy_n(image.pixels.data() + p * image.channels.size(), 3, result.pixels.data() + 3 * p);
-  }
-  return result;
-}
 
 void declare_picture_options(CLI::App& app, PictureSettings& settings) {
   const auto add = [&](const char* name, auto& target, const char* help) {
@@ -224,7 +212,7 @@ References make_references(const Scene& scene, const SceneDescription& descripti
                            const PictureSettings& settings) {
   fs::create_directories(settings.reference_dir);
   References references;
-  double sum = 0.0;
+  double mean = 0.0;
   for (std::size_t half = 0; half < 2; ++half) {
     DescriptionHash key(description);
     key.add_number(settings.reference_samples);
@@ -234,12 +222,8 @@ References make_references(const Scene& scene, const SceneDescription& descripti
         settings.height, settings.reference_samples, settings.reference_rays, key.value(), half + 1);
     references.halves[half] =
         reference_half(scene, fs::path(settings.reference_dir) / name, settings, kFirstReferenceSeed + half);
-    const Image& image = references.halves[half];
-    for (std::size_t p = 0; p < image.pixel_count(); ++p) {
-      sum += static_cast<double>(luminance(std::span(image.pixels).subspan(3 * p, 3)));
-    }
+    mean += 0.5 * mean_luminance(references.halves[half]);
   }
-  const double mean = sum / (2.0 * static_cast<double>(references.halves[0].pixel_count()));
   if (!(mean > 0.0)) throw InputError(description.source, 0, "has no indirect light to compare");
   references.scale = static_cast<float>(kReferenceLuminance / mean);
   for (Image& image : references.halves) image = scaled(std::move(image), references.scale);
@@ -250,6 +234,17 @@ double median(std::vector<double> values) {
   std::ranges::sort(values);
   const std::size_t middle = values.size() / 2;
   return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+}
+
+int run_reported(const char* program, const PictureSettings& settings, const std::function<void()>& work) {
+  try {
+    set_thread_count(settings.threads);
+    work();
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}: {}\n", program, error.what());
+    return 2;
+  }
+  return 0;
 }
 
 }  // namespace vrc::bench

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -38,9 +39,6 @@ void declare_picture_options(CLI::App& app, PictureSettings& settings);
 /// Indirect light of one bounce.
 [[nodiscard]] RenderOptions indirect_light(Method method, int samples_per_pixel, std::uint64_t seed);
 
-/// The channels R, G, B of an image that begins with them.
-[[nodiscard]] Image rgb_of(const Image& image);
-
 /// Pixels that an error is measured over, row by row.
 using PixelMask = std::vector<bool>;
 
@@ -66,5 +64,9 @@ struct References {
                                          const std::string& file, const PictureSettings& settings);
 
 [[nodiscard]] double median(std::vector<double> values);
+
+/// Runs what a program does with its settings; what it throws becomes a message. Returns the exit code.
+[[nodiscard]] int run_reported(const char* program, const PictureSettings& settings,
+                               const std::function<void()>& work);
 
 }  // namespace vrc::bench

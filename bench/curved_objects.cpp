@@ -12,7 +12,6 @@
 #include <set>
 
 #include "bench_support.h"
-#include "core/parallel.h"
 #include "placement/baselines.h"
 #include "placement/presets.h"
 #include "transport/film_sampler.h"
@@ -294,12 +293,7 @@ int main(int argc, char** argv) {
   CLI::App app("Ways to cache radiance on curved objects, at equal CPU time");
   declare_options(app, settings);
   CLI11_PARSE(app, argc, argv);
-  try {
-    set_thread_count(settings.threads);
+  return run_reported("bench_curved_objects", settings, [&] {
     for (const std::string& scene : settings.scenes) run_scene(scene, settings);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "bench_curved_objects: {}\n", error.what());
-    return 2;
-  }
-  return 0;
+  });
 }

@@ -11,7 +11,6 @@
 #include <nlohmann/json.hpp>
 
 #include "bench_support.h"
-#include "core/parallel.h"
 #include "io/atomic_file.h"
 
 namespace vrc::bench {
@@ -211,8 +210,7 @@ int main(int argc, char** argv) {
   CLI::App app("Radiance cache against path tracing at equal CPU time");
   declare_options(app, settings);
   CLI11_PARSE(app, argc, argv);
-  try {
-    set_thread_count(settings.threads);
+  return run_reported("bench_equal_time", settings, [&] {
     json scenes = json::array();
     for (const std::string& scene : settings.scenes) scenes.push_back(run_scene(scene, settings));
     if (!settings.json_file.empty()) {
@@ -224,9 +222,5 @@ int main(int argc, char** argv) {
                         {"scenes", scenes}};
       write_file_atomically(settings.json_file, all.dump(2) + "\n");
     }
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "bench_equal_time: {}\n", error.what());
-    return 2;
-  }
-  return 0;
+  });
 }

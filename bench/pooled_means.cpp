@@ -13,15 +13,15 @@
 
 #include "bench_support.h"
 #include "core/image_error.h"
-#include "core/parallel.h"
 
 namespace vrc::bench {
 namespace {
 
+constexpr double kSignificance = 0.01;  // of the test of all blocks together
+
 struct Settings : PictureSettings {
   std::vector<double> errors = {0.05, 0.02, 0.01};
-  int block = 32;              ///< Pixels of a block's side.
-  double significance = 0.01;  ///< Of the test of all blocks together.
+  int block = 32;  ///< Pixels of a block's side.
 
   Settings() {
     scenes = {VRC_SOURCE_DIR "/scenes/half_box.xml", VRC_SOURCE_DIR "/scenes/cornell_glossy.xml",
@@ -50,9 +50,9 @@ Pooled pool(const std::vector<Image>& blocks) {
   return result;
 }
 
-/// The largest |t| that one of `tests` independent tests exceeds with this probability.
-double sidak_bound(double significance, std::size_t tests, double degrees) {
-  const double each = 1.0 - std::pow(1.0 - significance, 1.0 / static_cast<double>(tests));
+/// The largest |t| that one of `tests` independent tests exceeds with probability kSignificance.
+double sidak_bound(std::size_t tests, double degrees) {
+  const double each = 1.0 - std::pow(1.0 - kSignificance, 1.0 / static_cast<double>(tests));
   return boost::math::quantile(complement(boost::math::students_t(degrees), 0.5 * each));
 }
 
@@ -64,7 +64,7 @@ void test_scene(const std::string& file, const Settings& settings) {
       {block_means(references.halves[0], settings.block), block_means(references.halves[1], settings.block)});
   const std::size_t tests = expected.mean.size();
   const double degrees = settings.repeats - 1.0;
-  const double bound = sidak_bound(settings.significance, tests, degrees);
+  const double bound = sidak_bound(tests, degrees);
   double noise = 0.0;  // of the references, over all blocks: two give a poor deviation of one
   for (const double v : expected.variance) noise += v / static_cast<double>(tests);
   for (const double error : settings.errors) {
@@ -74,10 +74,9 @@ void test_scene(const std::string& file, const Settings& settings) {
       RenderOptions options =
           indirect_light(Method::kCache, settings.samples_per_pixel, static_cast<std::uint64_t>(i + 1));
       options.cache.error = error;
-      Image image = render(scene, options).image;
+      const Image image = render(scene, options).image;
       relmse += references.error_of(image) / settings.repeats;
-      for (float& v : image.pixels) v *= references.scale;
-      blocks.push_back(block_means(rgb_of(image), settings.block));
+      blocks.push_back(block_means(scaled(rgb_of(image), references.scale), settings.block));
     }
     const Pooled measured = pool(blocks);
     double largest = 0.0, squares = 0.0, relative_bias = 0.0;
@@ -88,8 +87,8 @@ void test_scene(const std::string& file, const Settings& settings) {
       outside += std::abs(t) > bound;
       largest = std::max(largest, std::abs(t));
       squares += t * t / static_cast<double>(tests);
-      relative_bias +=
-          difference * difference / (std::pow(expected.mean[i], 2) + 0.01) / static_cast<double>(tests);
+      relative_bias += difference * difference / (std::pow(expected.mean[i], 2) + kRelativeErrorOffset) /
+                       static_cast<double>(tests);
     }
     fmt::print("{:24} {:>6g} {:>10.2e} {:>8.2f} {:>8.2f} {:>8.2f} {:>6}/{} {:>10.2e}\n",
                std::filesystem::path(file).stem().string(), error, relmse, std::sqrt(squares), largest, bound,
@@ -110,16 +109,11 @@ int main(int argc, char** argv) {
   app.add_option("--error", settings.errors, "Error thresholds of the cache")->check(CLI::PositiveNumber);
   app.add_option("--block", settings.block, "Side of a block in pixels")->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
-  try {
+  return run_reported("bench_pooled_means", settings, [&] {
     if (settings.repeats < 2)
       throw InputError("--repeats", 0, "must be at least 2: deviations come from them");
-    set_thread_count(settings.threads);
     fmt::print("{:24} {:>6} {:>10} {:>8} {:>8} {:>8} {:>10} {:>10}\n", "scene", "error", "relMSE", "rms t",
                "max |t|", "bound", "outside", "rel. bias");
     for (const std::string& scene : settings.scenes) test_scene(scene, settings);
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "bench_pooled_means: {}\n", error.what());
-    return 2;
-  }
-  return 0;
+  });
 }

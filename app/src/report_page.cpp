@@ -60,7 +60,7 @@ std::string json_element(const std::string& id, const ordered_json& value) {
 Image read_picture(const std::filesystem::path& path) {
   const Image whole = read_image(path);
   try {
-    return mean_rgb(whole, whole);
+    return rgb_of(whole);
   } catch (const InputError& error) {
     throw InputError(path.string(), 0, error.what());
   }

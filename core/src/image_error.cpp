@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 
+#include "core/types.h"
 #include "rgb_view.h"
 
 namespace vrc {
@@ -102,6 +103,30 @@ std::vector<double> percentiles(const Image& image, std::span<const double> shar
     result.push_back(values.empty() ? 0.0 : static_cast<double>(values[index]));
   }
   return result;
+}
+
+Image rgb_of(const Image& image, std::string_view layer) {
+  const RgbView values(image, layer);
+  Image rgb(image.width, image.height, {"R", "G", "B"});
+  for (std::size_t p = 0; p < rgb.pixel_count(); ++p) {
+    for (std::size_t c = 0; c < 3; ++c) rgb.pixels[3 * p + c] = static_cast<float>(values(p, c));
+  }
+  return rgb;
+}
+
+Image scaled(Image image, float factor) {
+  for (float& v : image.pixels) v *= factor;
+  return image;
+}
+
+double mean_luminance(const Image& image) {
+  const RgbView values(image, {});
+  double sum = 0.0;
+  for (std::size_t p = 0; p < image.pixel_count(); ++p)
+    sum += static_cast<double>(
+        luminance(std::array{static_cast<float>(values(p, 0)), static_cast<float>(values(p, 1)),
+                             static_cast<float>(values(p, 2))}));
+  return mean_or_zero(sum, image.pixel_count());
 }
 
 Image mean_rgb(const Image& first, const Image& second, std::string_view layer) {

@@ -44,6 +44,15 @@ struct ImageError {
 /// nearest one in rank; 0 without any.
 [[nodiscard]] std::vector<double> percentiles(const Image& image, std::span<const double> shares);
 
+/// The channels R, G, B, or those of `layer`, alone; named R, G, B.
+[[nodiscard]] Image rgb_of(const Image& image, std::string_view layer = {});
+
+/// All channels times a factor.
+[[nodiscard]] Image scaled(Image image, float factor);
+
+/// Of R, G and B, over all pixels.
+[[nodiscard]] double mean_luminance(const Image& image);
+
 /// The mean of two images of one size, channel by channel (R, G, B of `layer`; named R, G, B).
 [[nodiscard]] Image mean_rgb(const Image& first, const Image& second, std::string_view layer = {});
 
