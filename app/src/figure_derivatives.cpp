@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "figure_derivatives.h"
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
-
 #include "derivatives_run.h"
 #include "io/image_io.h"
+#include "panel_command.h"
 
 namespace vrc {
 namespace fs = std::filesystem;
@@ -38,23 +36,11 @@ NamedNumbers numbers_of(const DerivativesRun& run) {
 
 PanelStamp make_run(const FigureGroup& group, const FigurePanel& panel, const std::string& stem,
                     const PanelPlace& place, const std::atomic<bool>& stop) {
-  std::vector<std::string> words = words_of(group.words + " " + panel.words);
+  const auto command =
+      panel_command("derivatives", declare_derivatives_options, group, panel.words, stem, place);
   PanelStamp stamp;
-  stamp.command =
-      fmt::format("vrc derivatives {}", (fs::path(place.scenes.filename()) / group.scene).generic_string());
-  for (const std::string& word : words) stamp.command += " " + word;
-  stamp.command += " -o " + stem;
-
-  DerivativesArguments arguments;
-  CLI::App program;
-  declare_derivatives_options(*program.add_subcommand("derivatives"), arguments);
-  words.insert(words.begin(),
-               {"derivatives", (place.scenes / group.scene).string(), "-o", (place.folder / stem).string()});
-  std::ranges::reverse(words);
-  program.parse(words);
-  arguments.threads = place.threads;
-  arguments.quiet = place.quiet;
-  stamp.numbers = numbers_of(run_derivatives(arguments, stamp.command, stop));
+  stamp.command = command.text;
+  stamp.numbers = numbers_of(run_derivatives(command.arguments, command.text, stop));
   for (std::size_t m = 0; m < kDerivativeMethods; ++m) {
     for (const char* quantity : {"gradient", "hessian"}) {
       stamp.files.push_back(

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "figure_panel.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -13,7 +12,9 @@
 #include "error_colors.h"
 #include "figure_derivatives.h"
 #include "figure_equal_time.h"
+#include "io/display.h"
 #include "io/image_io.h"
+#include "panel_command.h"
 #include "picture_file.h"
 #include "render_arguments.h"
 #include "scene_run.h"
@@ -24,57 +25,20 @@ namespace {
 
 constexpr double kMeanLuminance = 0.5;  // that pictures are scaled to for relMSE
 
-/// What a user would type for a panel, and what it means.
-struct PanelCommand {
-  std::string text;
-  RenderArguments arguments;
-};
+using RenderCommand = PanelCommand<RenderArguments>;
 
-/// `extra` words come last. Files are named in the text without their folder.
-PanelCommand command_of(const FigureGroup& group, const FigurePanel& panel, const std::string& extra,
-                        const PanelPlace& place) {
-  std::vector<std::string> words = {"render", (place.scenes / group.scene).string()};
-  for (const std::string& word : words_of(group.words + " " + panel.words + " " + extra))
-    words.push_back(word);
-  PanelCommand command;
-  command.text =
-      fmt::format("vrc render {}", (fs::path(place.scenes.filename()) / group.scene).generic_string());
-  for (std::size_t i = 2; i < words.size(); ++i) command.text += " " + words[i];
-  command.text += fmt::format(" -o {}.exr", panel.id);
-  words.insert(words.end(), {"-o", (place.folder / (panel.id + ".exr")).string()});
-
-  CLI::App program;
-  CLI::App* render = program.add_subcommand("render");
-  declare_render_options(*render, command.arguments);
-  std::ranges::reverse(words);
-  program.parse(words);
-  command.arguments.threads = place.threads;
-  command.arguments.quiet = place.quiet;
-  return command;
+/// `extra` words come last.
+RenderCommand command_of(const FigureGroup& group, const FigurePanel& panel, const std::string& extra,
+                         const PanelPlace& place) {
+  return panel_command("render", declare_render_options, group, panel.words + " " + extra, panel.id + ".exr",
+                       place);
 }
 
-SceneRun run_whole(const PanelCommand& command, const std::atomic<bool>& stop) {
+SceneRun run_whole(const RenderCommand& command, const std::atomic<bool>& stop) {
   check_render_arguments(command.arguments);
   SceneRun run = run_scene(command.arguments, command.text, stop, [](const SceneDescription&) {});
   if (run.result.stats.unfinished) throw Interrupted();
   return run;
-}
-
-Image scaled(const Image& image, float scale) {
-  Image result = image;
-  for (float& v : result.pixels) v *= scale;
-  return result;
-}
-
-double mean_luminance(const Image& image) {
-  double sum = 0.0;
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      const float* p = image.pixel(x, y);
-      sum += static_cast<double>(luminance(Rgb(p[0], p[1], p[2])));
-    }
-  }
-  return sum / static_cast<double>(image.pixel_count());
 }
 
 NamedNumbers numbers_of(const RunReport& report, const RenderResult& result) {
@@ -94,7 +58,7 @@ NamedNumbers numbers_of(const RunReport& report, const RenderResult& result) {
 }
 
 /// Writes the pictures of a panel besides those of its records.
-PanelStamp write_pictures(const FigurePanel& panel, const PanelPlace& place, const PanelCommand& command,
+PanelStamp write_pictures(const FigurePanel& panel, const PanelPlace& place, const RenderCommand& command,
                           const Image& image, const RunReport& report) {
   PanelStamp stamp;
   stamp.command = command.text;
@@ -111,7 +75,7 @@ PanelStamp make_reference(const FigureGroup& group, const FigurePanel& panel, co
   NamedNumbers numbers;
   RunReport report;
   for (const char* half : {"a", "b"}) {
-    const PanelCommand command = command_of(group, panel, *half == 'a' ? "--seed 1" : "--seed 2", place);
+    const RenderCommand command = command_of(group, panel, *half == 'a' ? "--seed 1" : "--seed 2", place);
     const SceneRun run = run_whole(command, stop);
     files.push_back(fmt::format("{}_{}.exr", panel.id, half));
     write_picture(place.folder / files.back(), run.result.image, command.arguments.display, run.report);
@@ -124,7 +88,7 @@ PanelStamp make_reference(const FigureGroup& group, const FigurePanel& panel, co
       for (std::size_t i = 0; i < own.size(); ++i) numbers[i].second += own[i].second;
     }
   }
-  const PanelCommand command = command_of(group, panel, "--seed 1", place);
+  const RenderCommand command = command_of(group, panel, "--seed 1", place);
   PanelStamp stamp = write_pictures(panel, place, command, mean_rgb(halves[0], halves[1]), report);
   stamp.files.insert(stamp.files.end(), files.begin(), files.end());
   stamp.numbers = numbers;
@@ -145,9 +109,25 @@ void write_records(const FigurePanel& panel, const PanelPlace& place, const Rend
   stamp.files.insert(stamp.files.end(), {map, overlay});
 }
 
+/// "relmse", "median_error" (of the pixels' relative errors) and "ssim" of a picture against a kReference
+/// panel and its mean. The two halves' noise cancels in the first one; for the first two the mean luminance
+/// is scaled to one half.
+NamedNumbers errors_against(const fs::path& folder, const PanelStamp& reference, const Image& mean,
+                            const Image& image, const Display& display) {
+  VRC_CHECK(reference.files.size() >= 4, "a reference has {} files", reference.files.size());
+  const Image a = read_image(folder / reference.files[2]), b = read_image(folder / reference.files[3]);
+  const auto scale = static_cast<float>(kMeanLuminance / std::max(mean_luminance(mean), 1e-30));
+  const Image measured = scaled(image, scale);
+  const std::array half = {0.5};
+  const Image error = relative_error_map(measured, scaled(mean, scale));
+  return {{"relmse", two_half_relmse(measured, scaled(a, scale), scaled(b, scale))},
+          {"median_error", percentiles(error, half).front()},
+          {"ssim", mean_ssim(encoded(image, display), encoded(mean, display))}};
+}
+
 PanelStamp make_render(const FigureGroup& group, const FigurePanel& panel, const PanelStamps& earlier,
                        const PanelPlace& place, const std::atomic<bool>& stop) {
-  PanelCommand command;
+  RenderCommand command;
   const auto render = [&](const std::string& extra) {
     command = command_of(group, panel, extra, place);
     return run_whole(command, stop);
@@ -169,12 +149,12 @@ PanelStamp make_render(const FigureGroup& group, const FigurePanel& panel, const
   stamp.numbers = numbers_of(run.report, run.result);
   if (!panel.reference.empty()) {
     const PanelStamp& reference = earlier.at(panel.reference);
-    const Display& display = command.arguments.display;
-    const NamedNumbers errors = errors_against(place.folder, reference, image, display);
+    const Image mean = read_image(place.folder / reference.files.front());
+    const NamedNumbers errors =
+        errors_against(place.folder, reference, mean, image, command.arguments.display);
     stamp.numbers.insert(stamp.numbers.end(), errors.begin(), errors.end());
     stamp.files.push_back(panel.id + "_error.png");
-    write_png(place.folder / stamp.files.back(),
-              error_colors(image, read_image(place.folder / reference.files.front())));
+    write_png(place.folder / stamp.files.back(), error_colors(image, mean));
   }
   return stamp;
 }
@@ -199,20 +179,6 @@ std::uint64_t key_of(const FigureGroup& group, const FigurePanel& panel, const P
 }
 
 }  // namespace
-
-NamedNumbers errors_against(const fs::path& folder, const PanelStamp& reference, const Image& image,
-                            const Display& display) {
-  VRC_CHECK(reference.files.size() >= 4, "a reference has {} files", reference.files.size());
-  const Image mean = read_image(folder / reference.files[0]);
-  const Image a = read_image(folder / reference.files[2]), b = read_image(folder / reference.files[3]);
-  const auto scale = static_cast<float>(kMeanLuminance / std::max(mean_luminance(mean), 1e-30));
-  const Image measured = scaled(image, scale);
-  const std::array half = {0.5};
-  const Image error = relative_error_map(measured, scaled(mean, scale));
-  return {{"relmse", two_half_relmse(measured, scaled(a, scale), scaled(b, scale))},
-          {"median_error", percentiles(error, half).front()},
-          {"ssim", mean_ssim(encoded(image, display), encoded(mean, display))}};
-}
 
 MadePanel make_panel(const FigureGroup& group, const FigurePanel& panel, std::uint64_t scene_key,
                      const PanelStamps& earlier, const PanelPlace& place, const std::atomic<bool>& stop) {

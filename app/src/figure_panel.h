@@ -4,10 +4,8 @@
 #include <atomic>
 #include <map>
 
-#include "core/image.h"
 #include "figure.h"
 #include "figure_stamp.h"
-#include "io/display.h"
 
 namespace vrc {
 
@@ -29,16 +27,10 @@ struct MadePanel {
 };
 
 /// Makes a panel, or finds it made from the same command, scene, program version and panels that it depends
-/// on
-/// (`earlier`). `scene_key` is a hash of what the scene's files hold. Its files are whole or absent, and
+/// on (`earlier`). `scene_key` is a hash of what the scene's files hold. Its files are whole or absent, and
 /// ID.json comes last. Throws InputError, and Interrupted when `stop` is raised.
 [[nodiscard]] MadePanel make_panel(const FigureGroup& group, const FigurePanel& panel,
                                    std::uint64_t scene_key, const PanelStamps& earlier,
                                    const PanelPlace& place, const std::atomic<bool>& stop);
-
-/// "relmse", "median_error" (of the pixels' relative errors) and "ssim" of a picture against that of a kReference
-/// panel. The two halves' noise cancels in the first one; for the first two the mean luminance is scaled to one half.
-[[nodiscard]] NamedNumbers errors_against(const std::filesystem::path& folder, const PanelStamp& reference,
-                                          const Image& image, const Display& display);
 
 }  // namespace vrc

@@ -2,14 +2,14 @@
 #include "figure_run.h"
 
 #include <cmath>
-#include <fstream>
 #include <iostream>
-#include <sstream>
 
 #include "app/progress.h"
+#include "core/error.h"
 #include "figure_table.h"
 #include "io/atomic_file.h"
 #include "io/scene_reader.h"
+#include "record_table.h"
 
 namespace vrc {
 namespace fs = std::filesystem;
@@ -54,35 +54,17 @@ class FinishedPanels : public FigureValues {
 
   std::vector<std::vector<double>> records(std::string_view panel,
                                            const std::vector<std::string>& columns) const override {
-    const fs::path path = folder_ / fmt::format("{}_records.csv", panel);
-    std::ifstream in(path);
-    std::string line;
-    std::getline(in, line);
-    const std::vector<std::string> names = cells(line);
-    std::vector<std::size_t> wanted;
-    for (const std::string& column : columns) {
-      const auto found = std::ranges::find(names, column);
-      if (found == names.end()) throw InputError(path.string(), 1, "has no column " + column);
-      wanted.push_back(static_cast<std::size_t>(found - names.begin()));
-    }
+    const std::vector<std::string_view> required(columns.begin(), columns.end());
+    RecordTable table(folder_ / fmt::format("{}_records.csv", panel), required);
     std::vector<std::vector<double>> rows;
-    while (std::getline(in, line)) {
-      const std::vector<std::string> values = cells(line);
-      std::vector<double> row;
-      for (const std::size_t i : wanted) row.push_back(std::stod(values.at(i)));
-      rows.push_back(std::move(row));
+    while (table.next()) {
+      std::vector<double>& row = rows.emplace_back();
+      for (const std::string& column : columns) row.push_back(table.number<double>(column));
     }
     return rows;
   }
 
  private:
-  static std::vector<std::string> cells(const std::string& line) {
-    std::vector<std::string> result;
-    std::istringstream stream(line);
-    for (std::string cell; std::getline(stream, cell, ',');) result.push_back(cell);
-    return result;
-  }
-
   fs::path folder_;
   const PanelStamps& stamps_;
 };

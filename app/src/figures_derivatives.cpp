@@ -53,8 +53,7 @@ Figure figure_3(FigureSize size) {
   figure.title = "The glossy-glossy term in a Cornell box";
   figure.claim =
       "Without the derivative of the light that glossy surfaces send, the same records give a larger error; "
-      "the "
-      "term costs about a tenth of the time.";
+      "the term costs about a tenth of the time.";
   const int side = pick(size, 160, 512);
   const std::string records = records_words(pick(size, 700, 4000), 8192);
   FigureGroup group{"cornell_glossy", "cornell_glossy.xml", indirect_words(side, side) + " --exposure 1.5"};
@@ -77,8 +76,7 @@ Figure figure_4(FigureSize size) {
   figure.title = "The glossy-glossy term of two planes";
   figure.claim =
       "Where a glossy floor reflects a glossy wall, records without the glossy-glossy term fail; where the "
-      "wall is "
-      "diffuse, both give about the same.";
+      "wall is diffuse, both give about the same.";
   const int side = pick(size, 128, 512);
   const std::string records = records_words(pick(size, 300, 1000), pick(size, 4096, 8192));
   const std::string derivatives =
@@ -108,8 +106,7 @@ Figure figure_5(FigureSize size) {
   figure.title = "Gradient and Hessian of the radiance towards the camera";
   figure.claim =
       "Analytic derivatives agree with finite differences; those without the glossy-glossy term, and those "
-      "of "
-      "spherical harmonics of order 10, do not.";
+      "of spherical harmonics of order 10, do not.";
   const std::string words = derivative_words(pick(size, 32, 128), 8192, pick(size, 4096, 32768));
   const std::vector<std::string> methods = {"finite-differences", "analytic", "no-glossy-glossy", "sh"};
   for (const std::string scene : {"glossy_pair", "half_box"}) {

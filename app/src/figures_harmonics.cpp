@@ -40,8 +40,7 @@ Figure figure_7(FigureSize size) {
   figure.title = "Equal time: radiance, spherical harmonics, path tracing";
   figure.claim =
       "In the time of 5000 records of radiance, spherical harmonics and path tracing leave larger errors; "
-      "making "
-      "the records before shading (the overture) helps harmonics more than radiance.";
+      "making the records before shading (the overture) helps harmonics more than radiance.";
   const int side = pick(size, 160, 512), count = pick(size, 1200, 5000);
   const std::string rays = " --gather-rays 8192";
   const std::string radiance = "--preset paper" + rays;
@@ -96,10 +95,8 @@ Figure figure_11(FigureSize size) {
   figure.title = "Metal pots: curved surfaces";
   figure.claim =
       "At one threshold, spherical harmonics where normals turn (the paper's hybrid) need fewer records than "
-      "flat "
-      "records of radiance alone for about the same error; this program's records, which know how surfaces "
-      "bend, "
-      "have a lower error than both.";
+      "flat records of radiance alone for about the same error; this program's records, which know how "
+      "surfaces bend, have a lower error than both.";
   const int width = pick(size, 128, 640), height = pick(size, 96, 480);
   // The close-up of the saucepan. Edges get more samples everywhere: they are not what is compared.
   FigureGroup group{"pots", "pots.xml",

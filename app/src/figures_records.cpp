@@ -24,8 +24,7 @@ Figure figure_1(FigureSize size) {
   figure.title = "Records of the view-dependent and the view-independent strategy";
   figure.claim =
       "The view-independent strategy spreads records nearly evenly; the view-dependent one puts them where "
-      "the "
-      "Hessian of the radiance towards the camera is large.";
+      "the Hessian of the radiance towards the camera is large.";
   const int side = pick(size, 160, 512);
   const std::string records = records_words(pick(size, 800, 2000), pick(size, 4096, 8192));
   FigureGroup group{"half_box", "half_box.xml", indirect_words(side, side)};
@@ -98,8 +97,7 @@ Figure figure_8(FigureSize size) {
   figure.title = "Placement strategies with equally many records";
   figure.claim =
       "With 2000 records the view-dependent strategy has a lower error than the view-independent one, and "
-      "that "
-      "with interpolated radiance a lower one than with interpolated spherical harmonics.";
+      "that with interpolated radiance a lower one than with interpolated spherical harmonics.";
   const int side = pick(size, 160, 512);
   const std::string records = records_words(pick(size, 700, 2000), 8192);
   FigureGroup group{"cornell_glossy", "cornell_glossy.xml", indirect_words(side, side) + " --exposure 1.5"};

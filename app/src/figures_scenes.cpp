@@ -71,8 +71,7 @@ Figure figure_10(FigureSize size) {
   figure.title = "A kitchen of highly glossy surfaces";
   figure.claim =
       "In close-ups, records by the radiance towards the camera have lower errors than view-independent "
-      "spherical "
-      "harmonics of the same number, which cannot hold reflections of exponents up to 400.";
+      "spherical harmonics of the same number, which cannot hold reflections of exponents up to 400.";
   FigureGroup kitchen{"kitchen", kKitchen, indirect_words(pick(size, 96, 1024), pick(size, 72, 768))};
   kitchen.panels = {reference_panel("kitchen_reference", size),
                     {"kitchen",
@@ -123,8 +122,7 @@ Figure figure_12(FigureSize size) {
   figure.title = "A crown on a plate of exponent 1000";
   figure.claim =
       "On the plate, which reflects the crown sharply and brightly, the cache has a lower error than path "
-      "tracing in "
-      "the same time.";
+      "tracing in the same time.";
   FigureGroup crown =
       equal_time_group("crown", "crown.xml", indirect_words(pick(size, 112, 1280), pick(size, 67, 768)),
                        "crown_", paper_words(size, 100000, 32768),

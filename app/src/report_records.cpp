@@ -3,15 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <fstream>
 #include <map>
-#include <optional>
 #include <vector>
 
-#include "cli_values.h"
-#include "core/error.h"
+#include "record_table.h"
 #include "report_pack.h"
 
 namespace vrc {
@@ -20,63 +16,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::array kPlaces = {"px", "py"};
-constexpr std::array kRequired = {"px", "py", "p1x", "p1y", "p2x", "p2y"};
+constexpr std::array<std::string_view, 6> kRequired = {"px", "py", "p1x", "p1y", "p2x", "p2y"};
 constexpr std::array kNumbers = {"p1x", "p1y", "p2x",      "p2y", "r1", "r2",   "L_r",
                                  "L_g", "L_b", "L_stddev", "g1",  "g2", "rays", "is_sh"};
 constexpr std::array kWords = {"reason", "sh_reason"};
-
-/// Line by line; cells are found by the names in the first line.
-class RecordTable {
- public:
-  explicit RecordTable(const fs::path& path) : path_(path), in_(path, std::ios::binary) {
-    if (!in_ || !std::getline(in_, line_)) fail("cannot be read; give a record map of vrc in .csv");
-    line_number_ = 1;
-    header_ = line_;
-    if (!header_.empty() && header_.back() == '\r') header_.pop_back();
-    const auto names = split(header_, ',');
-    for (std::size_t i = 0; i < names.size(); ++i) columns_.emplace(names[i], i);
-    for (const char* name : kRequired) {
-      if (!has(name))
-        fail(fmt::format("has no column '{}'; write it with --record-map of this version of vrc", name));
-    }
-  }
-
-  /// Goes to the next record; false after the last.
-  [[nodiscard]] bool next() {
-    do {
-      if (!std::getline(in_, line_)) return false;
-      ++line_number_;
-      if (!line_.empty() && line_.back() == '\r') line_.pop_back();
-    } while (line_.empty());
-    cells_ = split(line_, ',');
-    if (cells_.size() != columns_.size())
-      fail(fmt::format("has {} values for {} columns; write the file again", cells_.size(), columns_.size()));
-    return true;
-  }
-  [[nodiscard]] bool has(const std::string& name) const { return columns_.contains(name); }
-  [[nodiscard]] std::string_view word(const std::string& name) const { return cells_[columns_.at(name)]; }
-  [[nodiscard]] float number(const std::string& name) const {
-    const std::string_view cell = word(name);
-    float value = 0.0f;
-    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-    if (error == std::errc::result_out_of_range) return 0.0f;
-    if (error != std::errc() || end != cell.data() + cell.size())
-      fail(fmt::format("'{}' of column '{}' is no number; write the file again", cell, name));
-    return value;
-  }
-
- private:
-  [[noreturn]] void fail(const std::string& problem) const {
-    throw InputError(path_.string(), line_number_, problem);
-  }
-
-  fs::path path_;
-  std::ifstream in_;
-  std::string header_, line_;
-  std::size_t line_number_ = 0;
-  std::map<std::string, std::size_t, std::less<>> columns_;
-  std::vector<std::string_view> cells_;
-};
 
 /// The values of the columns that are shown, record by record.
 struct RecordColumns {
@@ -92,13 +35,13 @@ bool is_near(float x, float y, int width, int height) {
 }
 
 RecordColumns read_columns(const fs::path& path, int width, int height) {
-  RecordTable table(path);
+  RecordTable table(path, kRequired);
   RecordColumns columns;
   while (table.next()) {
-    if (!is_near(table.number("px"), table.number("py"), width, height)) continue;
-    for (const char* name : kPlaces) columns.numbers[name].push_back(table.number(name));
+    if (!is_near(table.number<float>("px"), table.number<float>("py"), width, height)) continue;
+    for (const char* name : kPlaces) columns.numbers[name].push_back(table.number<float>(name));
     for (const char* name : kNumbers) {
-      if (table.has(name)) columns.numbers[name].push_back(table.number(name));
+      if (table.has(name)) columns.numbers[name].push_back(table.number<float>(name));
     }
     for (const char* name : kWords) {
       if (table.has(name)) columns.words[name].emplace_back(table.word(name));
