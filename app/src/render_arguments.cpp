@@ -152,7 +152,7 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
       ->excludes(error)
       ->excludes(time);
   group(add_number(command, "--gather-rays", cache.gather_rays, NumberRange<int>{1, 1 << 20},
-                   "Rays of a record, rounded up to a power of two, at least 1024", "by sharpness"));
+                   "Rays of a record on average, each having a power of two, at least 1024", "by sharpness"));
   group(add_number(command, "--taylor-order", cache.taylor_order, NumberRange<int>{0, 2},
                    "Order of the interpolation between records"));
   group(command.add_flag_callback(

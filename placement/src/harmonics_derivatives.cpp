@@ -49,10 +49,9 @@ std::array<Jet2, 3> outgoing_radiance(const IncidentHarmonics& incident, const M
   std::array<Jet2, 3> result;
   for (int c = 0; c < 3; ++c) {
     // Entry (i, k): derivative i of the incident radiance times derivative k of the weights.
-    const Eigen::Matrix<double, kEntries, kEntries> p =
-        (incident.coefficients.middleRows<kEntries>(kEntries * c) *
-         weights.coefficients.middleCols<kEntries>(kEntries * c))
-            .cast<double>();
+    Eigen::Matrix<double, kEntries, kEntries> p;
+    for (int k = 0; k < kEntries; ++k)
+      p.col(k) = incident.weighted(c, weights.coefficients.col(kEntries * c + k).data()).cast<double>();
     Jet2& jet = result[static_cast<std::size_t>(c)];
     jet.value = p(0, 0);
     jet.gradient = {p(1, 0) + p(0, 1), p(2, 0) + p(0, 2)};

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "placement/incident_harmonics.h"
 
-#include <vector>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
 
 #include "gather_rays.h"
 
@@ -12,58 +15,48 @@ constexpr int kBatchPackets = 8;
 constexpr int kBatch = kBatchPackets * kLanes;
 
 // Factors of Y that are summed over the rays, three channels each. v, g, h are the incident radiance times
-// the geometry term with its derivatives, t the distance.
-enum BaseFactor { kV, kG1, kG2, kH11, kH12, kH22, kBaseFactors };
-enum DividedFactor { kVt, kG1t, kG2t, kDividedFactors };  // read by first derivatives of Y
-enum TwiceDividedFactor { kVtt, kTwiceDividedFactors };   // by second ones
+// the geometry term with its derivatives, t the distance. First derivatives of Y read those divided by t,
+// second ones those divided by t^2.
+enum Factor { kV, kG1, kG2, kH11, kH12, kH22, kVt, kG1t, kG2t, kVtt, kFactors };
+constexpr int kColumns = 2 * kLanes;  // two vectors hold the channels of all factors
+// and the luminance of v with the signs of two halves of the lanes, each lane being a batch of its own.
+constexpr int kNoiseColumn = 3 * kFactors, kNoiseColumns = HarmonicsGatherer::NoiseSums::ColsAtCompileTime;
+static_assert(kNoiseColumn + kNoiseColumns == kColumns);
 
-using RowMatrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-/// Sixteen-wide rows of a matrix whose columns are the rays of a batch.
-class BatchRows {
- public:
-  explicit BatchRows(int rows) : packets_(static_cast<std::size_t>(rows * kBatchPackets)) {}
-
-  F16& at(int row, int packet) { return packets_[static_cast<std::size_t>(row * kBatchPackets + packet)]; }
-  std::span<F16> from(int packet) { return std::span(packets_).subspan(static_cast<std::size_t>(packet)); }
-  void set(int factor, int packet, const V3x16& v) {
-    at(3 * factor, packet) = v.x;
-    at(3 * factor + 1, packet) = v.y;
-    at(3 * factor + 2, packet) = v.z;
-  }
-  [[nodiscard]] Eigen::Map<const RowMatrix> matrix() const {
-    return {reinterpret_cast<const float*>(packets_.data()),
-            static_cast<Eigen::Index>(packets_.size()) / kBatchPackets, kBatch};
-  }
-
- private:
-  std::vector<F16> packets_;
-};
+constexpr int kTileRows = 8;  // coefficients whose sums over a batch stay in registers
 
 }  // namespace
 
-/// Sums over rays: columns are factors, three channels each. First derivatives of Y read one order more,
-/// second ones two.
+/// Sums over rays: a row for each coefficient, up to order + 2.
 struct HarmonicsGatherer::Moments {
-  Eigen::MatrixXf base, divided, twice_divided;
+  using Row = std::array<F16, 2>;
+  std::vector<Row> rows;
 
-  explicit Moments(int order)
-      : base(Eigen::MatrixXf::Zero(sh::coefficient_count(order), 3 * kBaseFactors)),
-        divided(Eigen::MatrixXf::Zero(sh::coefficient_count(order + 1), 3 * kDividedFactors)),
-        twice_divided(Eigen::MatrixXf::Zero(sh::coefficient_count(order + 2), 3 * kTwiceDividedFactors)) {}
+  explicit Moments(int coefficients) : rows(static_cast<std::size_t>(coefficients), Row{}) {}
+
+  [[nodiscard]] Eigen::MatrixXd of(int first_factor, int factors, int order) const {
+    return columns(3 * first_factor, 3 * factors, order);
+  }
+  [[nodiscard]] Eigen::MatrixXd columns(int first, int count, int order) const {
+    using Floats = Eigen::Matrix<float, Eigen::Dynamic, kColumns, Eigen::RowMajor>;
+    const Eigen::Map<const Floats> all(reinterpret_cast<const float*>(rows.data()), std::ssize(rows),
+                                       kColumns);
+    return all.block(0, first, sh::coefficient_count(order), count).cast<double>();
+  }
 };
 
 namespace {
 
-/// A batch of rays with the factors of their sums.
-struct Batch {
-  BatchRows basis, base{3 * kBaseFactors}, divided{3 * kDividedFactors},
-      twice_divided{3 * kTwiceDividedFactors};
-  int packets = 0;
+/// A batch of rays: Y in rows of rays, so that sixteen directions are evaluated together, and the factors of
+/// their sums in rows of factors, so that a sum needs no more than one value of Y for sixteen of them.
+class Batch {
+ public:
+  explicit Batch(int coefficients)
+      : basis_(static_cast<std::size_t>(coefficients) * kBatchPackets), factors_(kBatch) {}
 
-  explicit Batch(int coefficients) : basis(coefficients) {}
+  [[nodiscard]] bool is_full() const { return packets_ == kBatchPackets; }
 
-  void set_factors(const GatherPacket16& packet) {
+  void add(const GatherPacket16& packet, const sh::Basis& basis) {
     const MovingPoint16& p = packet.moving;
     // The solid angle of the surface element at the hit: s / |r|^3, s = -n_y . r.
     const UnitJet16 geometry = packet.facing * pow(p.jet_rr, -1.5f);
@@ -72,50 +65,135 @@ struct Batch {
     f.add_product({w, w, w}, geometry, packet.incident);
     const F16 inverse = 1.0f / sqrt(p.rr);
     const V3x16 v = f.value * inverse;
-    base.set(kV, packets, f.value);
-    base.set(kG1, packets, f.g1);
-    base.set(kG2, packets, f.g2);
-    base.set(kH11, packets, f.h11);
-    base.set(kH12, packets, f.h12);
-    base.set(kH22, packets, f.h22);
-    divided.set(kVt, packets, v);
-    divided.set(kG1t, packets, f.g1 * inverse);
-    divided.set(kG2t, packets, f.g2 * inverse);
-    twice_divided.set(kVtt, packets, v * inverse);
+    set(kV, f.value);
+    set(kG1, f.g1);
+    set(kG2, f.g2);
+    set(kH11, f.h11);
+    set(kH12, f.h12);
+    set(kH22, f.h22);
+    set(kVt, v);
+    set(kG1t, f.g1 * inverse);
+    set(kG2t, f.g2 * inverse);
+    set(kVtt, v * inverse);
+    const F16 noise = luminance(f.value);
+    const I16 lane = lane_index();
+    set_column(kNoiseColumn, select((lane & 1) == 0, noise, -noise));
+    set_column(kNoiseColumn + 1, select((lane & 2) == 0, noise, -noise));
+    basis.evaluate(packet.direction, std::span(basis_).subspan(static_cast<std::size_t>(packets_)),
+                   kBatchPackets);
+    ++packets_;
   }
 
-  void clear_factors(int packet) {
-    for (int row = 0; row < 3 * kBaseFactors; ++row) base.at(row, packet) = F16{};
-    for (int row = 0; row < 3 * kDividedFactors; ++row) divided.at(row, packet) = F16{};
-    for (int row = 0; row < 3 * kTwiceDividedFactors; ++row) twice_divided.at(row, packet) = F16{};
+  /// Adds the products of Y and the factors to the sums; the batch is empty then.
+  void move_to(std::vector<std::array<F16, 2>>& sums) {
+    const std::size_t tiled = sums.size() / kTileRows * kTileRows;
+    for (std::size_t row = 0; row < tiled; row += kTileRows) add_products<kTileRows>(row, sums);
+    for (std::size_t row = tiled; row < sums.size(); ++row) add_products<1>(row, sums);
+    packets_ = 0;
   }
+
+ private:
+  void set(int factor, const V3x16& v) {
+    set_column(3 * factor, v.x);
+    set_column(3 * factor + 1, v.y);
+    set_column(3 * factor + 2, v.z);
+  }
+  void set_column(int column, F16 v) {
+    float* const first = reinterpret_cast<float*>(factors_.data() + packets_ * kLanes) + column;
+    for (int lane = 0; lane < kLanes; ++lane) first[lane * kColumns] = v[lane];
+  }
+
+  template <int kRows>
+  void add_products(std::size_t row, std::vector<std::array<F16, 2>>& sums) const {
+    const auto* const y = reinterpret_cast<const float*>(basis_.data() + row * kBatchPackets);
+    F16 sum[kRows][2] = {};
+    for (int ray = 0; ray < packets_ * kLanes; ++ray) {
+      const auto& [f, g] = factors_[static_cast<std::size_t>(ray)];
+#pragma GCC unroll 8
+      for (int i = 0; i < kRows; ++i) {
+        const F16 value = splat(y[i * kBatch + ray]);
+        sum[i][0] += value * f;
+        sum[i][1] += value * g;
+      }
+    }
+    for (int i = 0; i < kRows; ++i) {
+      sums[row + static_cast<std::size_t>(i)][0] += sum[i][0];
+      sums[row + static_cast<std::size_t>(i)][1] += sum[i][1];
+    }
+  }
+
+  std::vector<F16> basis_;
+  std::vector<std::array<F16, 2>> factors_;
+  int packets_ = 0;
 };
 
 }  // namespace
+
+IncidentHarmonics::IncidentHarmonics(const Coefficients& coefficients)
+    : count_(static_cast<int>(coefficients.cols())) {
+  constexpr float kMost = std::numeric_limits<std::int16_t>::max();
+  rows_.resize(3 * static_cast<std::size_t>((count_ + kLanes - 1) / kLanes), {});
+  for (int entry = 0; entry < 3 * kEntries; ++entry) {
+    const float largest = count_ > 0 ? coefficients.row(entry).cwiseAbs().maxCoeff() : 0.0f;
+    if (!(largest > 0.0f)) continue;
+    scale_[static_cast<std::size_t>(entry)] = largest / kMost;
+    for (int j = 0; j < count_; ++j) {
+      rows_[place(entry, j)][static_cast<std::size_t>(entry % kEntries)][j % kLanes] =
+          static_cast<std::int16_t>(std::lround(coefficients(entry, j) / largest * kMost));
+    }
+  }
+}
+
+std::size_t IncidentHarmonics::place(int entry, int j) const {
+  return static_cast<std::size_t>(entry / kEntries) * (rows_.size() / 3) +
+         static_cast<std::size_t>(j / kLanes);
+}
+
+IncidentHarmonics::Coefficients IncidentHarmonics::coefficients() const {
+  Coefficients result(3 * kEntries, count_);
+  for (int entry = 0; entry < 3 * kEntries; ++entry) {
+    for (int j = 0; j < count_; ++j)
+      result(entry, j) =
+          scale_[static_cast<std::size_t>(entry)] *
+          static_cast<float>(rows_[place(entry, j)][static_cast<std::size_t>(entry % kEntries)][j % kLanes]);
+  }
+  return result;
+}
+
+Eigen::Matrix<float, IncidentHarmonics::kEntries, 1> IncidentHarmonics::weighted(int c,
+                                                                                 const float* weights) const {
+  const std::size_t rows = rows_.size() / 3;
+  const std::array<Row, kEntries>* row = rows_.data() + static_cast<std::size_t>(c) * rows;
+  F16 sum[kEntries] = {};
+  for (int j = 0; j < count_; j += kLanes, ++row) {
+    F16 w{};
+    std::memcpy(&w, weights + j, sizeof(float) * static_cast<std::size_t>(std::min(kLanes, count_ - j)));
+    for (std::size_t k = 0; k < kEntries; ++k) sum[k] += w * __builtin_convertvector((*row)[k], F16);
+  }
+  Eigen::Matrix<float, kEntries, 1> result;
+  for (int k = 0; k < kEntries; ++k)
+    result[k] = scale_[static_cast<std::size_t>(kEntries * c + k)] * lane_sum(sum[k]);
+  return result;
+}
 
 HarmonicsGatherer::HarmonicsGatherer(int order)
     : order_(order), basis_(order + 2), once_(order), twice_(order + 1) {}
 
 IncidentHarmonics HarmonicsGatherer::gather(const Scene& scene, const RecordSite& site,
                                             const GatherOptions& options, RayCounts& counts,
-                                            HitDistances& hits) const {
+                                            HitDistances& hits, NoiseSums* noise) const {
   GatherRays rays(scene, site, options, counts);
-  Moments moments(order_);
+  Moments moments(basis_.size());
   Batch batch(basis_.size());
-  const auto flush = [&] {
-    for (int k = batch.packets; k < kBatchPackets; ++k) batch.clear_factors(k);
-    const auto y = batch.basis.matrix();
-    moments.base.noalias() += y.topRows(moments.base.rows()) * batch.base.matrix().transpose();
-    moments.divided.noalias() += y.topRows(moments.divided.rows()) * batch.divided.matrix().transpose();
-    moments.twice_divided.noalias() += y * batch.twice_divided.matrix().transpose();
-    batch.packets = 0;
-  };
   rays.for_each_packet([&](const GatherPacket16& packet) {
-    batch.set_factors(packet);
-    basis_.evaluate(packet.direction, batch.basis.from(batch.packets), kBatchPackets);
-    if (++batch.packets == kBatchPackets) flush();
+    batch.add(packet, basis_);
+    if (batch.is_full()) batch.move_to(moments.rows);
   });
-  if (batch.packets > 0) flush();
+  batch.move_to(moments.rows);
+  if (noise != nullptr) {
+    *noise = moments.columns(kNoiseColumn, kNoiseColumns, order_).cast<float>() /
+             static_cast<float>(rays.ray_count());
+  }
   rays.describe_hits(hits);
   return finish(moments, site.frame, followed_shape_operator(site, options), rays.ray_count());
 }
@@ -130,8 +208,8 @@ IncidentHarmonics HarmonicsGatherer::finish(const Moments& moments, const Frame&
   const auto along = [&](int axis, const Eigen::MatrixXd(&world)[3]) -> Eigen::MatrixXd {
     return axes(axis, 0) * world[0] + axes(axis, 1) * world[1] + axes(axis, 2) * world[2];
   };
-  const Eigen::MatrixXd divided = moments.divided.cast<double>();
-  const Eigen::MatrixXd twice_divided = moments.twice_divided.cast<double>();
+  const Eigen::MatrixXd divided = moments.of(kVt, 3, order_ + 1);
+  const Eigen::MatrixXd twice_divided = moments.of(kVtt, 1, order_ + 2);
   Eigen::MatrixXd first[3], inner[3];
   for (std::size_t i = 0; i < 3; ++i) {
     first[i] = once_.differentiate[i] * divided;
@@ -139,10 +217,8 @@ IncidentHarmonics HarmonicsGatherer::finish(const Moments& moments, const Frame&
   }
   // First derivatives of Y along the frame's axes in the moments v, g1 and g2: columns as in `divided`.
   const Eigen::MatrixXd along_axis[3] = {along(0, first), along(1, first), along(2, first)};
-  const auto moved = [&](int factor, int axis) { return along_axis[axis].middleCols(3 * factor, 3); };
-  const auto base = [&](int factor) -> Eigen::MatrixXd {
-    return moments.base.middleCols(3 * factor, 3).cast<double>();
-  };
+  const auto moved = [&](int factor, int axis) { return along_axis[axis].middleCols(3 * (factor - kVt), 3); };
+  const auto base = [&](int factor) { return moments.of(factor, 1, order_); };
   const auto second = [&](int a, int b) -> Eigen::MatrixXd {
     const Eigen::MatrixXd along_b = along(b, inner);
     Eigen::MatrixXd world[3];
@@ -160,25 +236,20 @@ IncidentHarmonics HarmonicsGatherer::finish(const Moments& moments, const Frame&
                                                                 hessian(kH11, 0, 0),
                                                                 hessian(kH12, 0, 1),
                                                                 hessian(kH22, 1, 1)};
-  IncidentHarmonics result;
-  result.coefficients.resize(Eigen::NoChange, count);
+  IncidentHarmonics::Coefficients result(3 * IncidentHarmonics::kEntries, count);
   for (int k = 0; k < IncidentHarmonics::kEntries; ++k) {
     for (int c = 0; c < 3; ++c) {
-      result.coefficients.row(IncidentHarmonics::kEntries * c + k) =
-          (entries[k].col(c) / rays).transpose().cast<float>();
+      result.row(IncidentHarmonics::kEntries * c + k) = (entries[k].col(c) / rays).transpose().cast<float>();
     }
   }
-  return result;
+  return IncidentHarmonics(result);
 }
 
 std::array<Jet2, 3> outgoing_radiance(const IncidentHarmonics& incident,
                                       const Eigen::Ref<const Eigen::MatrixXf>& weights) {
   std::array<Jet2, 3> result;
   for (int c = 0; c < 3; ++c) {
-    const Eigen::Matrix<double, IncidentHarmonics::kEntries, 1> v =
-        (incident.coefficients.middleRows<IncidentHarmonics::kEntries>(IncidentHarmonics::kEntries * c) *
-         weights.col(c))
-            .cast<double>();
+    const auto v = incident.weighted(c, weights.col(c).data()).cast<double>().eval();
     Jet2& jet = result[static_cast<std::size_t>(c)];
     jet.value = v[0];
     jet.gradient = {v[1], v[2]};

@@ -205,8 +205,7 @@ IncidentHarmonics as_harmonics(const IrradianceEstimate& estimate, const Vec3& n
   constexpr int kEntries = IncidentHarmonics::kEntries;
   const double constant = 1.0 / (kPi * std::sqrt(0.25 / kPi));
   const double linear = 1.0 / (kPi * 2.0 / 3.0 * std::sqrt(0.75 / kPi));
-  IncidentHarmonics result;
-  result.coefficients.setZero(Eigen::NoChange, sh::coefficient_count(1));
+  IncidentHarmonics::Coefficients result(3 * kEntries, sh::coefficient_count(1));
   for (int c = 0; c < 3; ++c) {
     const Jet2& e = estimate.irradiance[static_cast<std::size_t>(c)];
     const Vec3& g = estimate.rotation[static_cast<std::size_t>(c)];
@@ -215,9 +214,9 @@ IncidentHarmonics as_harmonics(const IrradianceEstimate& estimate, const Vec3& n
         e.hessian(1, 1);
     columns.col(0) *= constant;
     columns.row(0).tail<3>() = linear * Vec3(g.y(), g.z(), g.x()).transpose();
-    result.coefficients.middleRows<kEntries>(kEntries * c) = columns.cast<float>();
+    result.middleRows<kEntries>(kEntries * c) = columns.cast<float>();
   }
-  return result;
+  return IncidentHarmonics(result);
 }
 
 }  // namespace vrc

@@ -67,7 +67,7 @@ std::array<Jet2, 3> fit(const ChartPoints& centers, std::span<const RadianceReco
     const Vec6 basis =
         taylor_basis(Vec2(d.dot(record.site.frame.tangent), d.dot(record.site.frame.bitangent)) / length);
     const double model = kModelError * scale * k * k * k;
-    const double weight = 1.0 / (other.estimate.variance.value + floor * floor + model * model);
+    const double weight = 1.0 / (other.variance() + floor * floor + model * model);
     normal += weight * basis * basis.transpose();
     for (std::size_t c = 0; c < 3; ++c) right[c] += weight * other.estimate.radiance[c].value * basis;
   };

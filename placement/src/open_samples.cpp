@@ -15,7 +15,13 @@ std::size_t block_of(const Pixel& pixel, const Pixel& first) {
   return static_cast<std::size_t>((pixel.y - first.y) / 2 * (kTileSize / 2) + (pixel.x - first.x) / 2);
 }
 
-void add_open_samples(const TileRecords& records, const Pixel& first_pixel, TakenBlocks& taken,
+std::uint64_t key_of(const SurfacePoint16& p, int lane) {
+  return hash(0x5a3u, p.triangle[lane], std::bit_cast<std::uint32_t>(float{p.u[lane]}),
+              std::bit_cast<std::uint32_t>(float{p.v[lane]}));
+}
+
+void add_open_samples(const TileRecords& records, const Pixel& first_pixel,
+                      const std::unordered_set<std::uint64_t>& tried, TakenBlocks& taken,
                       std::vector<OpenSample>& result) {
   const Tile& tile = records.tile();
   for (std::size_t i = 0; i < tile.points.size(); ++i) {
@@ -29,12 +35,12 @@ void add_open_samples(const TileRecords& records, const Pixel& first_pixel, Take
     const Pixel& pixel = tile.pixels[i / static_cast<std::size_t>(tile.packets_per_pixel)];
     bool& block = taken[block_of(pixel, first_pixel)];
     if (block) continue;
-    block = true;
-    const int lane = first_lane(open);
-    const std::uint64_t key = hash(0x5a3u, p.triangle[lane], std::bit_cast<std::uint32_t>(float{p.u[lane]}),
-                                   std::bit_cast<std::uint32_t>(float{p.v[lane]}));
-    result.push_back(
-        {static_cast<std::uint32_t>(p.triangle[lane]), p.u[lane], p.v[lane], key, turn_of(pixel.x, pixel.y)});
+    for (int lane = 0; lane < kLanes && !block; ++lane) {
+      if (open[lane] == 0 || tried.contains(key_of(p, lane))) continue;
+      block = true;
+      result.push_back({static_cast<std::uint32_t>(p.triangle[lane]), p.u[lane], p.v[lane], key_of(p, lane),
+                        turn_of(pixel.x, pixel.y)});
+    }
   }
 }
 
@@ -42,11 +48,12 @@ void add_open_samples(const TileRecords& records, const Pixel& first_pixel, Take
 
 std::vector<OpenSample> find_open_samples(const Scene& scene, const FilmSampler& film,
                                           const RadianceCache& cache, const std::vector<Pixel>& pixels,
-                                          bool supersample_edges, RayCounts& counts) {
+                                          bool supersample_edges,
+                                          const std::unordered_set<std::uint64_t>& tried, RayCounts& counts) {
   std::vector<OpenSample> result;
   TakenBlocks taken{};
   for_each_traced(scene, film, pixels, supersample_edges, counts, [&](const Tile& tile) {
-    add_open_samples(TileRecords(cache, tile), pixels.front(), taken, result);
+    add_open_samples(TileRecords(cache, tile), pixels.front(), tried, taken, result);
   });
   return result;
 }

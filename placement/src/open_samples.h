@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <unordered_set>
 #include <vector>
 
 #include "placement/place_records.h"
@@ -17,10 +18,9 @@ struct OpenSample {
 };
 
 /// Samples of a tile's pixels that no region reaches, widened kWideSupport times; at most one for each square
-/// of 2 x 2 pixels.
-[[nodiscard]] std::vector<OpenSample> find_open_samples(const Scene& scene, const FilmSampler& film,
-                                                        const RadianceCache& cache,
-                                                        const std::vector<Pixel>& pixels,
-                                                        bool supersample_edges, RayCounts& counts);
+/// of 2 x 2 pixels, and none whose key is among those `tried`.
+[[nodiscard]] std::vector<OpenSample> find_open_samples(
+    const Scene& scene, const FilmSampler& film, const RadianceCache& cache, const std::vector<Pixel>& pixels,
+    bool supersample_edges, const std::unordered_set<std::uint64_t>& tried, RayCounts& counts);
 
 }  // namespace vrc

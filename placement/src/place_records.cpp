@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <unordered_set>
 
 #include "core/hash.h"
 #include "core/parallel.h"
@@ -23,11 +24,16 @@ constexpr int kLog2PilotRays = 10;
 // guided rays, which converge faster than their batches, show about twice the deviation there is.
 constexpr double kNoiseShare = 1.0, kGuidedNoiseShare = 2.0;
 constexpr double kNoiseLimit = 2.5;  // times the noise share
-constexpr int kSampleRounds = 24;    // passes over the samples that the points miss
-constexpr int kCountRounds = 80;     // steps of the search for a wanted number of records
+// Passes over the samples that the points miss: a block of pixels gets at most one record in each. Line by
+// line a tile does.
+constexpr int kSampleRounds = 8, kSampleRoundsByLine = 24;
+constexpr int kCountRounds = 80;  // steps of the search for a wanted number of records
 constexpr int kWidenSteps = 6;
-constexpr double kCountPower = 0.46;    // the number of records grows about as epsilon^-kCountPower
-constexpr double kCoarsestError = 2.0;  // where that search begins
+// The number of records grows about as epsilon^-kCountPower; less where most lie at edges of any radii.
+constexpr double kCountPower = 0.46, kLeastCountPower = 0.2;
+constexpr double kCountTolerance = 1.03;
+constexpr double kGrowthToLookAgain = 1.25;  // of the records, until the samples are looked at again
+constexpr double kCoarsestError = 2.0;       // where that search begins
 
 }  // namespace
 
@@ -226,7 +232,7 @@ class RecordPlacer::Placement {
   /// Rays that bring a typical record's noise down to the accepted error; the joint fit and the blending of
   /// overlapping records lower it further.
   [[nodiscard]] double log2_rays_for_noise(double error) const {
-    if (options_.gather_rays > 0) return log2_rays_for(options_.gather_rays);
+    if (options_.gather_rays > 0) return log2_mean_rays(options_.gather_rays);
     if (noise_ == 0.0) return std::max(result_.scale.log2_rays, static_cast<double>(kFewestLog2Rays));
     return log2_rays_for(kLog2PilotRays, noise_, accepted_noise(error));
   }
@@ -240,6 +246,11 @@ class RecordPlacer::Placement {
   [[nodiscard]] static double mean_rays(double log2_rays) {
     const double below = std::floor(log2_rays);
     return std::exp2(below) * (1.0 + log2_rays - below);
+  }
+  /// What has this mean.
+  [[nodiscard]] static double log2_mean_rays(int rays) {
+    const int below = std::bit_width(static_cast<unsigned>(rays)) - 1;
+    return std::max(below + std::ldexp(rays, -below) - 1.0, static_cast<double>(kFewestLog2Rays));
   }
   [[nodiscard]] GatherOptions gather_at(const RecordSite& site) const {
     GatherOptions options = gather_;
@@ -342,19 +353,23 @@ class RecordPlacer::Placement {
     // Should the limit end this sweep, its holes must lie everywhere, not beyond a front.
     OrderedChooser ordered(points_);
     sweep(epsilon, options_.overture ? static_cast<PointChooser&>(ordered) : *chooser_, wanted);
-    std::size_t checked = 0;  // records when the samples were last looked at
+    double power = kCountPower;
+    double looked = static_cast<double>(wanted) / (3.0 * kGrowthToLookAgain);  // the records there were then
+    const auto count = [&] { return static_cast<double>(std::max<std::size_t>(result_.records.size(), 1)); };
+    const auto is_enough = [&] { return static_cast<double>(wanted) < kCountTolerance * count(); };
     for (int step = 0; step < kCountRounds && !result_.unfinished; ++step) {
-      if (3 * result_.records.size() >= wanted && result_.records.size() > checked) {
+      if (count() >= kGrowthToLookAgain * looked || is_enough()) {
         cover_samples();
-        checked = result_.records.size();
+        looked = count();
       }
-      const double ratio =
-          static_cast<double>(wanted) / static_cast<double>(std::max<std::size_t>(result_.records.size(), 1));
-      if (ratio < 1.03) break;
+      if (is_enough()) break;
       // Approach from below, since records are kept.
+      const double before = count();
       covering = epsilon;
-      epsilon *= std::pow(std::clamp(0.85 * ratio, 1.08, 5.0), -1.0 / kCountPower);
+      epsilon *= std::pow(std::clamp(0.85 * static_cast<double>(wanted) / before, 1.08, 5.0), -1.0 / power);
       sweep(epsilon, *chooser_, wanted);
+      power = std::clamp(std::log(count() / before) / std::log(covering / epsilon), kLeastCountPower,
+                         kCountPower);
     }
     if (!result_.unfinished && !all_covered()) widen(epsilon, covering);
   }
@@ -381,15 +396,18 @@ class RecordPlacer::Placement {
   void cover_samples() {
     const TileLayout layout = {view_.x0, view_.y0, view_.x1, view_.y1};
     std::vector<std::size_t> tiles(layout.count());
-    for (std::size_t i = 0; i < tiles.size(); ++i) tiles[i] = i;
-    for (int round = 0; round < kSampleRounds && !tiles.empty() && !result_.unfinished; ++round) {
+    std::iota(tiles.begin(), tiles.end(), std::size_t{0});
+    // A record that was moved out of a crease or holds harmonics of another normal may leave its sample open.
+    std::unordered_set<std::uint64_t> tried;
+    const int rounds = options_.overture ? kSampleRounds : kSampleRoundsByLine;
+    for (int round = 0; round < rounds && !tiles.empty() && !result_.unfinished; ++round) {
       reach_widely(result_);
       const RadianceCache cache(charts_, result_.records, result_.reaches, factory_.brdfs());
       std::vector<std::vector<OpenSample>> open(tiles.size());
       std::vector<RayCounts> counts(tiles.size());
       parallel_for(tiles.size(), [&](std::size_t i) {
         open[i] = find_open_samples(scene_, *view_.film, cache, pixels_of(layout, tiles[i]),
-                                    options_.supersample_edges, counts[i]);
+                                    options_.supersample_edges, tried, counts[i]);
       });
       std::vector<RecordSite> sites;
       std::vector<std::uint32_t> turns;
@@ -403,6 +421,7 @@ class RecordPlacer::Placement {
           sites.push_back(
               make_site(scene_, scene_.surface_point(s.triangle, s.u, s.v, scene_.camera().origin), s.key));
           turns.push_back(s.turn);
+          tried.insert(s.key);
         }
       }
       const std::size_t first = result_.records.size();

@@ -42,7 +42,7 @@ PackedRecord pack(const RadianceRecord& record) {
   }
   p.gradient_factor = static_cast<float>(record.gradient_factor);
   p.hessian_factor = static_cast<float>(record.hessian_factor);
-  p.variance = static_cast<float>(record.estimate.variance.value);
+  p.variance = static_cast<float>(record.variance());
   p.turn = record.turn;
   return p;
 }
@@ -80,12 +80,10 @@ V3x16 extrapolate(const PackedRecord& record, const Coverage16& c, int order) {
 
 V3x16 extrapolate(const PackedRecord& record, const Eigen::MatrixXf& weights, const Coverage16& c,
                   int order) {
-  constexpr int kEntries = IncidentHarmonics::kEntries;
   const F16 d1 = c.a * record.in_frame[0][0] + c.b * record.in_frame[1][0];
   const F16 d2 = c.a * record.in_frame[0][1] + c.b * record.in_frame[1][1];
   const auto channel = [&](int i) {
-    const Eigen::Matrix<float, kEntries, 1> s =
-        record.harmonics->coefficients.middleRows<kEntries>(kEntries * i) * weights.col(i);
+    const auto s = record.harmonics->weighted(i, weights.col(i).data());
     F16 v = splat(s[0]);
     if (order >= 1) v += record.gradient_factor * (d1 * s[1] + d2 * s[2]);
     if (order >= 2)

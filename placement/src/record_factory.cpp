@@ -23,12 +23,15 @@ constexpr double kNarrowRadius = 1.7;    // of curvature, in pixels, at which no
 constexpr double kNarrowUpTo = 0.2, kNarrowUpToTruncated = 0.05;
 constexpr double kResolvedOrder = 3.0;
 
+/// The most that the normal turns over a pixel's length. [rad]
+double turn_over_pixel(const RecordSite& site) {
+  const Vec2 principal = site.point.shape_operator.selfadjointView<Eigen::Lower>().eigenvalues();
+  return site.pixel_length * principal.cwiseAbs().maxCoeff();
+}
+
 /// Whether the surface is an edge so narrow that Taylor records, which are no smaller than a pixel, do not
 /// fit it, however many there are.
-bool is_narrow(const RecordSite& site) {
-  const Vec2 principal = site.point.shape_operator.selfadjointView<Eigen::Lower>().eigenvalues();
-  return kNarrowRadius * site.pixel_length * principal.cwiseAbs().maxCoeff() > 1.0;
-}
+bool is_narrow(const RecordSite& site) { return kNarrowRadius * turn_over_pixel(site) > 1.0; }
 
 /// How many Taylor records, whose normals may turn by `theta_max`, one of spherical harmonics stands for
 /// within the record's ellipse.
@@ -48,6 +51,13 @@ Mat2 absolute(const Mat2& h) {
          solver.eigenvectors().transpose();
 }
 
+/// Variance of what the weights make of harmonics, taken as if they were those of luminance.
+double reflected_variance(const HarmonicsGatherer::NoiseSums& noise, const Eigen::MatrixXf& weights) {
+  const Eigen::VectorXf mean =
+      weights * Eigen::Vector3d(kLuminance[0], kLuminance[1], kLuminance[2]).cast<float>();
+  return static_cast<double>((noise.transpose() * mean).squaredNorm()) / 2.0;
+}
+
 /// L1 norm of coefficients and the sum of their |H| [Zhao eq. 6]. Rows are coefficients, columns the
 /// entries of a jet.
 Jet2 sum_over_coefficients(const Eigen::MatrixXd& jets) {
@@ -64,7 +74,7 @@ Jet2 sum_over_coefficients(const Eigen::MatrixXd& jets) {
 /// Entries of channel c: coefficients x entries.
 Eigen::MatrixXf channel(const IncidentHarmonics& incident, int c) {
   constexpr int kEntries = IncidentHarmonics::kEntries;
-  return incident.coefficients.middleRows(kEntries * c, kEntries).transpose();
+  return incident.coefficients().middleRows(kEntries * c, kEntries).transpose();
 }
 
 /// Towards one camera the lobe matters most; for all of them light that arrives steeply does.
@@ -171,6 +181,7 @@ RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& 
     return options;
   };
   const Gather gather_radiance_at = [&](const RecordSite& s, int log2_rays) {
+    harmonics.reset();  // of a site that the record was moved from
     GatherOptions options = options_for(log2_rays);
     if (!options_.sends_guided_rays()) return gather_radiance(scene, s, options, counts);
     std::unique_ptr<GuideHistogram> guide = guides != nullptr ? guides->at(s) : nullptr;
@@ -187,14 +198,18 @@ RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& 
   };
   const Gather gather_harmonics_at = [&](const RecordSite& s, int log2_rays) {
     RadianceEstimate estimate;
+    found.reset();
     harmonics = gather_harmonics(s, options_for(log2_rays), counts, estimate.hits);
     estimate.radiance = harmonics->radiance;
     estimate.luminance = harmonics->luminance;
     return estimate;
   };
   const bool only_harmonics = holds_only_harmonics();
-  RadianceRecord record = make_record(scene, site, only_harmonics ? gather_harmonics_at : gather_radiance_at,
-                                      gather.log2_rays, goal);
+  const Gather gather_at = [&](const RecordSite& s, int log2_rays) {
+    return (only_harmonics || surely_needs_harmonics(s) ? gather_harmonics_at : gather_radiance_at)(
+        s, log2_rays);
+  };
+  RadianceRecord record = make_record(scene, site, gather_at, gather.log2_rays, goal);
   if (only_harmonics) {
     record.harmonics_reason = HarmonicsReason::kAlways;
   } else if (options_.strategy != Strategy::kViewDependent) {
@@ -202,7 +217,7 @@ RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& 
     harmonics = gather_harmonics(record.site, gather, counts, hits);
     if (options_.representation == Representation::kAnalytic) {
       auto radii_only = std::make_shared<RecordHarmonics>(*harmonics);
-      radii_only->incident.coefficients.resize(Eigen::NoChange, 0);
+      radii_only->incident = {};
       harmonics = std::move(radii_only);
     }
   }
@@ -213,9 +228,14 @@ RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& 
 
 void RecordFactory::add_rays(RadianceRecord& record, const GatherOptions& gather, int log2_rays,
                              bool keep_own, RayCounts& counts) const {
+  const std::uint64_t rays = std::uint64_t{1} << log2_rays;
+  const std::uint64_t own_rays = keep_own ? record.rays : 0;
+  if (options_.representation == Representation::kHybrid) record.harmonics.reset();
+  record.rays = own_rays + rays;
+  if (surely_needs_harmonics(record.site)) return;
   GatherOptions options = gather;
   options.log2_rays = log2_rays;
-  options.seed = hash(gather.seed, 0xadd5u, record.rays);
+  options.seed = hash(gather.seed, 0xadd5u, own_rays);
   RadianceEstimate more;
   if (options_.sends_guided_rays() && record.found) {
     const GuideHistogram guide = record.found->expanded();
@@ -225,12 +245,9 @@ void RecordFactory::add_rays(RadianceRecord& record, const GatherOptions& gather
   } else {
     more = gather_radiance(charts_.scene(), record.site, options, counts);
   }
-  const std::uint64_t rays = std::uint64_t{1} << log2_rays;
   record.estimate =
-      keep_own ? pooled(record.estimate, static_cast<double>(record.rays), more, static_cast<double>(rays))
+      keep_own ? pooled(record.estimate, static_cast<double>(own_rays), more, static_cast<double>(rays))
                : more;
-  record.rays = keep_own ? record.rays + rays : rays;
-  if (options_.representation == Representation::kHybrid) record.harmonics.reset();
 }
 
 std::shared_ptr<const RecordHarmonics> RecordFactory::gather_harmonics(const RecordSite& site,
@@ -245,8 +262,14 @@ std::shared_ptr<const RecordHarmonics> RecordFactory::gather_harmonics(const Rec
     return with_radiance(site, as_harmonics(irradiance, site.point.normal));
   }
   options.directions = directions_for(options_);
+  // As many as guided rays suffice for are too few, and guided by the lobe they lose what other normals see.
+  if (options_.representation == Representation::kHybrid && options_.sends_guided_rays() &&
+      options_.gather_rays == 0)
+    options.log2_rays = std::min(options.log2_rays + 1, kMostLog2Rays);
+  HarmonicsGatherer::NoiseSums noise;
   const auto result = with_radiance(site, gatherers_[static_cast<std::size_t>(site.point.material)]->gather(
-                                              charts_.scene(), site, options, counts, hits));
+                                              charts_.scene(), site, options, counts, hits, &noise));
+  result->variance = reflected_variance(noise, weights_at(site));
   if (options_.strategy == Strategy::kViewIndependent)
     result->all_directions = all_incident(result->incident);
   if (options_.strategy == Strategy::kViewIndependentOutgoing) {
@@ -256,30 +279,49 @@ std::shared_ptr<const RecordHarmonics> RecordFactory::gather_harmonics(const Rec
   return result;
 }
 
+Eigen::MatrixXf RecordFactory::weights_at(const RecordSite& site) const {
+  const BrdfHarmonics& brdf = brdfs_->of(static_cast<std::size_t>(site.point.material));
+  Eigen::MatrixXf weights(brdf.count(), 3);
+  brdf.response(site.point.normal, site.to_camera.normalized(), weights);
+  return weights;
+}
+
 std::shared_ptr<RecordHarmonics> RecordFactory::with_radiance(const RecordSite& site,
                                                               IncidentHarmonics incident) const {
   auto result = std::make_shared<RecordHarmonics>();
   result->incident = std::move(incident);
-  const BrdfHarmonics& brdf = brdfs_->of(static_cast<std::size_t>(site.point.material));
-  Eigen::MatrixXf weights(brdf.count(), 3);
-  brdf.response(site.point.normal, site.to_camera.normalized(), weights);
-  result->radiance = outgoing_radiance(result->incident, weights);
+  result->radiance = outgoing_radiance(result->incident, weights_at(site));
   result->luminance = luminance(result->radiance);
   return result;
+}
+
+bool RecordFactory::resolves_lobes_at(const RecordSite& site) const {
+  const auto material = static_cast<std::size_t>(site.point.material);
+  const double sharpness = charts_.scene().bsdfs()[material].sharpness();
+  return gatherers_[material]->order() >= kResolvedOrder * std::sqrt(sharpness);
+}
+
+bool RecordFactory::is_narrow_edge(const RecordSite& site) const {
+  return is_narrow(site) &&
+         (options_.records > 0 ||
+          options_.error <= (resolves_lobes_at(site) ? kNarrowUpTo : kNarrowUpToTruncated));
+}
+
+bool RecordFactory::surely_needs_harmonics(const RecordSite& site) const {
+  return options_.representation == Representation::kHybrid &&
+         options_.strategy == Strategy::kViewDependent &&
+         turn_over_pixel(site) > options_.max_normal_deviation &&
+         (options_.harmonics_rule == HarmonicsRule::kPaper || is_narrow_edge(site));
 }
 
 HarmonicsReason RecordFactory::reason_for(const RadianceRecord& record) const {
   if (options_.harmonics_rule == HarmonicsRule::kPaper)
     return record.curvature.needs_sh() ? HarmonicsReason::kTurns : HarmonicsReason::kNone;
-  const auto material = static_cast<std::size_t>(record.site.point.material);
-  const int order = gatherers_[material]->order();
-  const double sharpness = charts_.scene().bsdfs()[material].sharpness();
-  const bool resolved = order >= kResolvedOrder * std::sqrt(sharpness);
-  const bool fine = options_.records > 0 || options_.error <= (resolved ? kNarrowUpTo : kNarrowUpToTruncated);
-  if (fine && is_narrow(record.site) && record.curvature.needs_sh()) return HarmonicsReason::kNarrow;
+  if (is_narrow_edge(record.site) && record.curvature.needs_sh()) return HarmonicsReason::kNarrow;
   // Where a number of records is wanted, theirs is the cost. Else it is CPU time, and a lobe that the order
   // cuts short loses more than a record saves.
-  if (options_.records == 0 && !resolved) return HarmonicsReason::kNone;
+  if (options_.records == 0 && !resolves_lobes_at(record.site)) return HarmonicsReason::kNone;
+  const int order = gatherers_[static_cast<std::size_t>(record.site.point.material)]->order();
   const double cost = options_.records > 0 ? 1.0 : 2.0 + kCostOfOrder * order * order;
   return records_replaced(record, options_.max_normal_deviation) > cost ? HarmonicsReason::kReplacesMany
                                                                         : HarmonicsReason::kNone;
@@ -302,11 +344,7 @@ void RecordFactory::shape(RadianceRecord& record, const RegionRule& rule, const 
   if (!class_decides) classify();
   if (!record.harmonics) {
     HitDistances hits;
-    GatherOptions options = gather;
-    // As many as guided rays suffice for are too few, and guided by the lobe they lose what other normals
-    // see.
-    if (options_.sends_guided_rays()) options.log2_rays = std::min(options.log2_rays + 1, kMostLog2Rays);
-    record.harmonics = gather_harmonics(record.site, options, counts, hits);
+    record.harmonics = gather_harmonics(record.site, gather, counts, hits);
   }
   shape_record(record, rule);
 }

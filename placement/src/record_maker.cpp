@@ -12,7 +12,8 @@ constexpr double kMaximumPictureShare = 0.1;  // [Zhao 5]
 constexpr double kSteepWall = 0.5;            // sine of the least angle between surface and wall
 constexpr double kAlongCrease = 6.0;          // times the nearest hit: along the crease of a wall
 
-/// The same surface half a pixel farther from the nearest hit; nothing when the surface ends there.
+/// The same surface half a pixel farther from the nearest hit; nothing when the surface ends there or turns
+/// so far that a record there would not serve the site.
 std::optional<SurfacePoint> moved_out_of_crease(const Scene& scene, const RecordSite& site,
                                                 const Vec3& nearest) {
   const Vec3 tangential = nearest - nearest.dot(site.point.normal) * site.point.normal;
@@ -29,7 +30,9 @@ std::optional<SurfacePoint> moved_out_of_crease(const Scene& scene, const Record
   if (hit.hit[0] == 0) return std::nullopt;
   const auto triangle = static_cast<std::uint32_t>(hit.triangle[0]);
   if (scene.triangles()[triangle].region != site.point.region) return std::nullopt;
-  return scene.surface_point(triangle, hit.u[0], hit.v[0], scene.camera().origin);
+  SurfacePoint moved = scene.surface_point(triangle, hit.u[0], hit.v[0], scene.camera().origin);
+  if (moved.normal.dot(site.point.normal) < std::cos(kHarmonicsTurn)) return std::nullopt;
+  return moved;
 }
 
 /// What limits the derivatives of something over an ellipse.
@@ -52,10 +55,9 @@ Limits limits_of(const Jet2& jet, const Mat2& half, double limit) {
 /// Of all coefficients of the luminance together, which change like a vector.
 Limits limits_of(const IncidentHarmonics& incident, const Mat2& half) {
   constexpr int kEntries = IncidentHarmonics::kEntries;
+  const IncidentHarmonics::Coefficients coefficients = incident.coefficients();
   const auto luminances = [&](int entry) -> Eigen::ArrayXd {
-    const auto row = [&](int c) {
-      return incident.coefficients.row(kEntries * c + entry).transpose().cast<double>();
-    };
+    const auto row = [&](int c) { return coefficients.row(kEntries * c + entry).transpose().cast<double>(); };
     return kLuminance[0] * row(0) + kLuminance[1] * row(1) + kLuminance[2] * row(2);
   };
   const Eigen::ArrayXd d1 = luminances(1), d2 = luminances(2);

@@ -15,14 +15,15 @@ struct HarmonicsOfScene {
   HarmonicsOfScene(const Scene& s, int order) : scene(s), gatherer(order), brdfs(s.bsdfs(), order) {}
 
   [[nodiscard]] IncidentHarmonics incident(const RecordSite& site, int log2_rays, std::uint64_t seed,
-                                           GatherDirections directions = GatherDirections::kMixture) const {
+                                           GatherDirections directions = GatherDirections::kMixture,
+                                           HarmonicsGatherer::NoiseSums* noise = nullptr) const {
     GatherOptions options;
     options.log2_rays = log2_rays;
     options.seed = seed;
     options.directions = directions;
     RayCounts counts;
     HitDistances hits;
-    return gatherer.gather(scene, site, options, counts, hits);
+    return gatherer.gather(scene, site, options, counts, hits, noise);
   }
   [[nodiscard]] const BrdfHarmonics& brdf(const RecordSite& site) const {
     return brdfs.of(static_cast<std::size_t>(site.point.material));

@@ -50,6 +50,57 @@ TEST(IncidentHarmonics, OfOrderTenDoNotResolveSharpLobes) {
   EXPECT_LT(truncation_error(scene, 24), 0.5 * truncation_error(scene, 10));
 }
 
+TEST(IncidentHarmonics, RoundsEachRowForItsLargestCoefficient) {
+  constexpr int kCount = 81;  // no multiple of sixteen
+  IncidentHarmonics::Coefficients exact = IncidentHarmonics::Coefficients::Random(3 * kEntries, kCount);
+  for (int row = 0; row < exact.rows(); ++row) exact.row(row) *= std::pow(10.0f, static_cast<float>(row - 9));
+  exact.row(4).setZero();
+  const IncidentHarmonics harmonics(exact);
+  ASSERT_EQ(harmonics.count(), kCount);
+  const IncidentHarmonics::Coefficients rounded = harmonics.coefficients();
+  for (int row = 0; row < exact.rows(); ++row) {
+    EXPECT_LE((rounded.row(row) - exact.row(row)).cwiseAbs().maxCoeff(),
+              exact.row(row).cwiseAbs().maxCoeff() / 65000.0f)
+        << "row " << row;
+  }
+  const Eigen::VectorXf weights = Eigen::VectorXf::Random(kCount);
+  for (int c = 0; c < 3; ++c) {
+    const Eigen::VectorXf expected = rounded.middleRows<kEntries>(kEntries * c) * weights;
+    const auto sums = harmonics.weighted(c, weights.data());
+    for (int k = 0; k < kEntries; ++k) {
+      EXPECT_NEAR(sums[k], expected[k], 1e-5f * rounded.row(kEntries * c + k).norm() * weights.norm());
+    }
+  }
+}
+
+TEST(IncidentHarmonics, TellTheirNoise) {
+  // Two differences tell little: the mean over sites and seeds counts.
+  constexpr int kSeeds = 24, kLog2FewRays = 12;
+  const Scene scene = test::load_scene("half_box.xml", 64, 64, {{"exponent", "20"}});
+  const test::HarmonicsOfScene harmonics(scene, 10);
+  double told = 0.0, variance = 0.0;
+  for (const RecordSite& site : test::sites_at(scene, film_shares())) {
+    Eigen::MatrixXf weights(harmonics.brdf(site).count(), 3);
+    harmonics.brdf(site).response(site.point.normal, site.to_camera.normalized(), weights);
+    double sum = 0.0, squares = 0.0;
+    for (int seed = 0; seed < kSeeds; ++seed) {
+      HarmonicsGatherer::NoiseSums noise;
+      const double value =
+          harmonics
+              .luminance_of(harmonics.incident(site, kLog2FewRays, static_cast<std::uint64_t>(seed),
+                                               GatherDirections::kMixture, &noise),
+                            site)
+              .value;
+      told += 0.5 * static_cast<double>((noise.transpose() * weights.col(1)).squaredNorm()) / kSeeds;
+      sum += value;
+      squares += value * value;
+    }
+    variance += (squares - sum * sum / kSeeds) / (kSeeds - 1);
+  }
+  EXPECT_GT(told, variance);
+  EXPECT_LT(told, 10.0 * variance) << "lanes of a Sobol sequence converge more slowly than the whole";
+}
+
 using Coefficients = Eigen::MatrixXd;  // as IncidentHarmonics::coefficients
 
 /// The mean of gathers of several seeds, and how far it may be off.
@@ -63,7 +114,8 @@ MeanCoefficients mean_coefficients(const test::HarmonicsOfScene& harmonics, cons
   std::vector<Coefficients> samples;
   for (int seed = 0; seed < gathers; ++seed) {
     samples.push_back(harmonics.incident(site, kLog2Rays, static_cast<std::uint64_t>(seed), directions)
-                          .coefficients.cast<double>());
+                          .coefficients()
+                          .cast<double>());
   }
   Coefficients mean = samples[0];
   for (std::size_t i = 1; i < samples.size(); ++i) mean += samples[i];

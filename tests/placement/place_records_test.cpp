@@ -118,6 +118,21 @@ TEST(PlaceRecords, MakesTheWantedNumberOfRecords) {
   }
 }
 
+TEST(PlaceRecords, GivesRecordsTheWantedRaysOnAverage) {
+  const Picture picture("half_box.xml", 64);
+  CacheOptions options = cheap(300);
+  options.gather_rays = 1280;
+  const PlacementResult result = picture.place(options);
+  double sum = 0.0;
+  for (const RadianceRecord& r : result.records) {
+    EXPECT_TRUE(r.rays == 1024 || r.rays == 2048);
+    sum += static_cast<double>(r.rays);
+  }
+  // A quarter of the records has twice the rays: five standard deviations.
+  const double count = static_cast<double>(result.records.size());
+  EXPECT_NEAR(sum / count, 1280.0, 5.0 * 1024.0 * std::sqrt(0.25 * 0.75 / count));
+}
+
 TEST(PlaceRecords, MakesMoreRecordsForASmallerError) {
   const Picture picture("half_box.xml", 64);
   std::size_t previous = 0;

@@ -58,7 +58,7 @@ TEST(RecordFactory, SumsAbsoluteHessians) {
   const RecordSite site = test::sites_at(scene, {{0.5, 0.8}}).at(0);
   const RadianceRecord record = factory.make(site, gather_options(), {}, counts);
   double norm = 0.0, largest = 0.0;
-  const auto& m = record.harmonics->incident.coefficients;
+  const auto m = record.harmonics->incident.coefficients();
   for (Eigen::Index j = 0; j < m.cols(); ++j) {
     const auto entry = [&](int k) {
       return kLuminance[0] * static_cast<double>(m(k, j)) + kLuminance[1] * static_cast<double>(m(6 + k, j)) +
@@ -115,6 +115,36 @@ TEST(RecordFactory, GivesHarmonicsWhereTheySaveRecords) {
   EXPECT_EQ(reason_from(0.3), HarmonicsReason::kNone);
   options.harmonics_rule = HarmonicsRule::kPaper;
   EXPECT_EQ(reason_at(1e-1), HarmonicsReason::kTurns);
+}
+
+TEST(RecordFactory, GathersOnceWhereHarmonicsAreSure) {
+  const Scene scene = test::load_scene("object_small_sphere.xml", 64, 64, {{"exponent", "20"}});
+  const SceneCharts charts(scene);
+  CacheOptions options = options_of(Strategy::kViewDependent, Representation::kHybrid);
+  options.gather_rays = 1 << 13;
+  RegionRule rule;
+  rule.options = &options;
+  rule.picture_width = 64;
+  rule.mean_luminance = 0.1;
+  rule.epsilon = 1e-9;
+  RecordSite site = test::sites_at(scene, {{0.5, 0.5}}).at(0);
+  site.pixel_length =
+      1.0 / site.point.shape_operator.selfadjointView<Eigen::Lower>().eigenvalues().cwiseAbs().maxCoeff();
+  const RecordFactory factory(charts, options);
+  RayCounts counts;
+  RadianceRecord record = factory.make(site, gather_options(), {}, counts);
+  EXPECT_LE(counts.gather, 1u << 13);
+  const std::uint64_t made_with = counts.gather;
+  factory.shape(record, rule, gather_options(), counts);
+  EXPECT_EQ(record.harmonics_reason, HarmonicsReason::kNarrow);
+  EXPECT_EQ(counts.gather, made_with);
+  EXPECT_GT(record.variance(), 0.0);
+  EXPECT_EQ(record.estimate.luminance.value, record.harmonics->luminance.value);
+  // More rays are those of new harmonics.
+  factory.add_rays(record, gather_options(), 13, false, counts);
+  EXPECT_EQ(counts.gather, made_with);
+  factory.shape(record, rule, gather_options(), counts);
+  EXPECT_GT(counts.gather, made_with);
 }
 
 TEST(HarmonicsOrder, FollowsTheLobes) {

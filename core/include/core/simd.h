@@ -19,7 +19,7 @@ using F16 = float __attribute__((vector_size(64)));
 using I16 = std::int32_t __attribute__((vector_size(64)));  ///< Integers, or a mask of 0 and -1.
 using U16 = std::uint32_t __attribute__((vector_size(64)));
 
-[[nodiscard]] inline F16 splat(float value) { return F16{} + value; }
+[[nodiscard]] inline F16 splat(float value) { return value - F16{}; }  // - 0 costs nothing
 [[nodiscard]] inline I16 splat(std::int32_t value) { return I16{} + value; }
 [[nodiscard]] inline U16 splat(std::uint32_t value) { return U16{} + value; }
 [[nodiscard]] inline I16 lane_index() { return I16{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15}; }

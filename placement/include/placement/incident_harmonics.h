@@ -3,8 +3,11 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 #include <memory>
+#include <vector>
 
+#include "core/simd.h"
 #include "placement/gather.h"
 #include "sh/basis.h"
 #include "sh/coordinate_operators.h"
@@ -13,14 +16,32 @@ namespace vrc {
 
 /// Incident radiance around a point in real spherical harmonics, and how it changes as the point moves
 /// over its surface: the SH vector Lambda_i of [Zhao 4.2] with its gradients and Hessians (4.3.3).
-struct IncidentHarmonics {
+class IncidentHarmonics {
+ public:
   static constexpr int kEntries = 6;  ///< Per channel: value, d1, d2, d11, d12, d22.
-  /// Column j belongs to coefficient j in world axes; row kEntries c + k, contiguous, to entry k of channel
-  /// c. Derivatives are along the tangent and bitangent of the record's frame, the surface bending away from
-  /// them as `followed_shape_operator` says.
-  Eigen::Matrix<float, 3 * kEntries, Eigen::Dynamic, Eigen::RowMajor> coefficients;
+  /// Column j belongs to coefficient j in world axes, row kEntries c + k to entry k of channel c. Derivatives
+  /// are along the tangent and bitangent of the record's frame, the surface bending away from them as
+  /// `followed_shape_operator` says.
+  using Coefficients = Eigen::Matrix<float, 3 * kEntries, Eigen::Dynamic>;
 
-  [[nodiscard]] int count() const { return static_cast<int>(coefficients.cols()); }
+  IncidentHarmonics() = default;
+  /// Rounds every row to 16 bits for its largest coefficient: sums lose about 1e-4 of the radiance.
+  explicit IncidentHarmonics(const Coefficients& coefficients);
+
+  [[nodiscard]] int count() const { return count_; }
+  [[nodiscard]] Coefficients coefficients() const;
+  /// The sums over all coefficients of channel c, times `count` weights.
+  [[nodiscard]] Eigen::Matrix<float, kEntries, 1> weighted(int c, const float* weights) const;
+
+ private:
+  using Row = std::int16_t __attribute__((vector_size(2 * kLanes)));
+
+  /// In `rows_`, of coefficient j of the entry's channel.
+  [[nodiscard]] std::size_t place(int entry, int j) const;
+
+  int count_ = 0;
+  std::array<float, 3 * kEntries> scale_{};
+  std::vector<std::array<Row, kEntries>> rows_;  ///< Of sixteen coefficients; channel after channel.
 };
 
 /// Projects gathers onto spherical harmonics of one order. Const and thread-safe.
@@ -31,13 +52,18 @@ class HarmonicsGatherer {
 
   [[nodiscard]] int order() const { return order_; }
 
-  /// Sums over the rays of a gather [Zhao eq. 7, as an integral over surfaces]. Fills in `hits`.
+  /// Two differences of the means over one half of the rays and the other, halved: of the luminance of the
+  /// values, in coefficients. The square of what they reflect is the variance of what the values reflect.
+  using NoiseSums = Eigen::Matrix<float, Eigen::Dynamic, 2>;
+
+  /// Sums over the rays of a gather [Zhao eq. 7, as an integral over surfaces]. Fills in `hits` and, unless
+  /// null, `noise`.
   ///
   /// With Y(r / |r|) differentiated by sh::CoordinateOperators (D, and X for the direction), derivatives need
   /// no basis but Y itself up to order + 2: d_a Y = D_a Y / |r|, d_ab Y = D_a (D_b - X_b) Y / r^2.
   [[nodiscard]] IncidentHarmonics gather(const Scene& scene, const RecordSite& site,
-                                         const GatherOptions& options, RayCounts& counts,
-                                         HitDistances& hits) const;
+                                         const GatherOptions& options, RayCounts& counts, HitDistances& hits,
+                                         NoiseSums* noise = nullptr) const;
 
  private:
   struct Moments;

@@ -36,6 +36,7 @@ struct RecordHarmonics {
   IncidentHarmonics incident;
   std::array<Jet2, 3> radiance;  ///< Towards the camera, while normal and direction stay.
   Jet2 luminance;                ///< Of `radiance`.
+  double variance = 0.0;         ///< Of the luminance's value.
   /// L1 norm and sum of |H| over the coefficients of luminance, incident or outgoing as the strategy
   /// says [Zhao eq. 6]; not with a view-dependent strategy.
   Jet2 all_directions;
@@ -59,6 +60,10 @@ struct RadianceRecord {
   double gradient_factor = 1.0, hessian_factor = 1.0;
 
   [[nodiscard]] bool uses_harmonics() const { return harmonics_reason != HarmonicsReason::kNone; }
+  /// Of the value of the luminance that it passes on.
+  [[nodiscard]] double variance() const {
+    return uses_harmonics() ? harmonics->variance : estimate.variance.value;
+  }
 };
 
 /// When a pixel is shaded that is shaded line by line: 0 for the first.

@@ -26,14 +26,14 @@ class RecordFactory {
 
   /// Gathers what the strategy and the representation ask for everywhere. Rays towards the camera are guided
   /// by what `guides` holds nearby, if given, and when they turn out too noisy by their own, which then do
-  /// not count.
+  /// not count. A record of a hybrid cache that holds harmonics whatever its region is gathers them alone.
   [[nodiscard]] RadianceRecord make(const RecordSite& site, const GatherOptions& gather,
                                     const NoiseGoal& goal, RayCounts& counts,
                                     const GuideField* guides = nullptr) const;
 
-  /// Gathers again, by 2^log2_rays rays, at a record that was made here. The estimate becomes the mean of these
-  /// rays and, if it is to keep them, of its own; those guide the new ones in any case. Not for records that
-  /// hold harmonics alone. Of a hybrid cache, harmonics are forgotten.
+  /// Gathers again, by 2^log2_rays rays, at a record that was made here. The estimate becomes the mean of
+  /// these rays and, if it is to keep them, of its own; those guide the new ones in any case. Not for records
+  /// that hold harmonics alone. Of a hybrid cache, harmonics are forgotten.
   void add_rays(RadianceRecord& record, const GatherOptions& gather, int log2_rays, bool keep_own,
                 RayCounts& counts) const;
 
@@ -56,6 +56,14 @@ class RecordFactory {
   /// The record's harmonics from those of incident radiance: what they reflect to the camera.
   [[nodiscard]] std::shared_ptr<RecordHarmonics> with_radiance(const RecordSite& site,
                                                                IncidentHarmonics incident) const;
+  /// What the BRDF at the site weighs harmonics by, towards the camera: coefficients x channels.
+  [[nodiscard]] Eigen::MatrixXf weights_at(const RecordSite& site) const;
+  [[nodiscard]] bool resolves_lobes_at(const RecordSite& site) const;
+  /// Whether it is an edge so narrow that it gets harmonics.
+  [[nodiscard]] bool is_narrow_edge(const RecordSite& site) const;
+  /// Whether a record there holds harmonics however small its region is, which is no less than a pixel: its
+  /// estimate is that of the harmonics.
+  [[nodiscard]] bool surely_needs_harmonics(const RecordSite& site) const;
   [[nodiscard]] HarmonicsReason reason_for(const RadianceRecord& record) const;
 
   const SceneCharts& charts_;
