@@ -7,56 +7,26 @@
 #include <limits>
 
 #include "gather_rays.h"
+#include "sh/basis.h"
 
 namespace vrc {
 namespace {
-
-constexpr int kBatchPackets = 8;
-constexpr int kBatch = kBatchPackets * kLanes;
 
 // Factors of Y that are summed over the rays, three channels each. v, g, h are the incident radiance times
 // the geometry term with its derivatives, t the distance. First derivatives of Y read those divided by t,
 // second ones those divided by t^2.
 enum Factor { kV, kG1, kG2, kH11, kH12, kH22, kVt, kG1t, kG2t, kVtt, kFactors };
-constexpr int kColumns = 2 * kLanes;  // two vectors hold the channels of all factors
+constexpr int kColumns = sh::ScatteredSums::kValues;  // the channels of all factors
 // and the luminance of v with the signs of two halves of the lanes, each lane being a batch of its own.
 constexpr int kNoiseColumn = 3 * kFactors, kNoiseColumns = HarmonicsGatherer::NoiseSums::ColsAtCompileTime;
 static_assert(kNoiseColumn + kNoiseColumns == kColumns);
 
-constexpr int kTileRows = 8;  // coefficients whose sums over a batch stay in registers
+using Values = sh::ScatteredSums::Values;
 
-}  // namespace
-
-/// Sums over rays: a row for each coefficient, up to order + 2.
-struct HarmonicsGatherer::Moments {
-  using Row = std::array<F16, 2>;
-  std::vector<Row> rows;
-
-  explicit Moments(int coefficients) : rows(static_cast<std::size_t>(coefficients), Row{}) {}
-
-  [[nodiscard]] Eigen::MatrixXd of(int first_factor, int factors, int order) const {
-    return columns(3 * first_factor, 3 * factors, order);
-  }
-  [[nodiscard]] Eigen::MatrixXd columns(int first, int count, int order) const {
-    using Floats = Eigen::Matrix<float, Eigen::Dynamic, kColumns, Eigen::RowMajor>;
-    const Eigen::Map<const Floats> all(reinterpret_cast<const float*>(rows.data()), std::ssize(rows),
-                                       kColumns);
-    return all.block(0, first, sh::coefficient_count(order), count).cast<double>();
-  }
-};
-
-namespace {
-
-/// A batch of rays: Y in rows of rays, so that sixteen directions are evaluated together, and the factors of
-/// their sums in rows of factors, so that a sum needs no more than one value of Y for sixteen of them.
-class Batch {
+/// The factors of sixteen rays.
+class Factors {
  public:
-  explicit Batch(int coefficients)
-      : basis_(static_cast<std::size_t>(coefficients) * kBatchPackets), factors_(kBatch) {}
-
-  [[nodiscard]] bool is_full() const { return packets_ == kBatchPackets; }
-
-  void add(const GatherPacket16& packet, const sh::Basis& basis) {
+  explicit Factors(const GatherPacket16& packet) {
     const MovingPoint16& p = packet.moving;
     // The solid angle of the surface element at the hit: s / |r|^3, s = -n_y . r.
     const UnitJet16 geometry = packet.facing * pow(p.jet_rr, -1.5f);
@@ -79,18 +49,9 @@ class Batch {
     const I16 lane = lane_index();
     set_column(kNoiseColumn, select((lane & 1) == 0, noise, -noise));
     set_column(kNoiseColumn + 1, select((lane & 2) == 0, noise, -noise));
-    basis.evaluate(packet.direction, std::span(basis_).subspan(static_cast<std::size_t>(packets_)),
-                   kBatchPackets);
-    ++packets_;
   }
 
-  /// Adds the products of Y and the factors to the sums; the batch is empty then.
-  void move_to(std::vector<std::array<F16, 2>>& sums) {
-    const std::size_t tiled = sums.size() / kTileRows * kTileRows;
-    for (std::size_t row = 0; row < tiled; row += kTileRows) add_products<kTileRows>(row, sums);
-    for (std::size_t row = tiled; row < sums.size(); ++row) add_products<1>(row, sums);
-    packets_ = 0;
-  }
+  [[nodiscard]] std::span<const Values, kLanes> of_rays() const { return rays_; }
 
  private:
   void set(int factor, const V3x16& v) {
@@ -99,35 +60,33 @@ class Batch {
     set_column(3 * factor + 2, v.z);
   }
   void set_column(int column, F16 v) {
-    float* const first = reinterpret_cast<float*>(factors_.data() + packets_ * kLanes) + column;
+    float* const first = reinterpret_cast<float*>(rays_.data()) + column;
     for (int lane = 0; lane < kLanes; ++lane) first[lane * kColumns] = v[lane];
   }
 
-  template <int kRows>
-  void add_products(std::size_t row, std::vector<std::array<F16, 2>>& sums) const {
-    const auto* const y = reinterpret_cast<const float*>(basis_.data() + row * kBatchPackets);
-    F16 sum[kRows][2] = {};
-    for (int ray = 0; ray < packets_ * kLanes; ++ray) {
-      const auto& [f, g] = factors_[static_cast<std::size_t>(ray)];
-#pragma GCC unroll 8
-      for (int i = 0; i < kRows; ++i) {
-        const F16 value = splat(y[i * kBatch + ray]);
-        sum[i][0] += value * f;
-        sum[i][1] += value * g;
-      }
-    }
-    for (int i = 0; i < kRows; ++i) {
-      sums[row + static_cast<std::size_t>(i)][0] += sum[i][0];
-      sums[row + static_cast<std::size_t>(i)][1] += sum[i][1];
-    }
-  }
-
-  std::vector<F16> basis_;
-  std::vector<std::array<F16, 2>> factors_;
-  int packets_ = 0;
+  std::array<Values, kLanes> rays_;
 };
 
 }  // namespace
+
+/// Sums of factors over rays: a row for each coefficient.
+class HarmonicsGatherer::Moments {
+ public:
+  explicit Moments(std::vector<Values> rows) : rows_(std::move(rows)) {}
+
+  [[nodiscard]] Eigen::MatrixXd of(int first_factor, int factors, int order) const {
+    return columns(3 * first_factor, 3 * factors, order);
+  }
+  [[nodiscard]] Eigen::MatrixXd columns(int first, int count, int order) const {
+    using Floats = Eigen::Matrix<float, Eigen::Dynamic, kColumns, Eigen::RowMajor>;
+    const Eigen::Map<const Floats> all(reinterpret_cast<const float*>(rows_.data()), std::ssize(rows_),
+                                       kColumns);
+    return all.block(0, first, sh::coefficient_count(order), count).cast<double>();
+  }
+
+ private:
+  std::vector<Values> rows_;
+};
 
 IncidentHarmonics::IncidentHarmonics(const Coefficients& coefficients)
     : count_(static_cast<int>(coefficients.cols())) {
@@ -177,19 +136,18 @@ Eigen::Matrix<float, IncidentHarmonics::kEntries, 1> IncidentHarmonics::weighted
 }
 
 HarmonicsGatherer::HarmonicsGatherer(int order)
-    : order_(order), basis_(order + 2), once_(order), twice_(order + 1) {}
+    : order_(order), sums_(order + 2), once_(order), twice_(order + 1) {}
 
 IncidentHarmonics HarmonicsGatherer::gather(const Scene& scene, const RecordSite& site,
                                             const GatherOptions& options, RayCounts& counts,
                                             HitDistances& hits, NoiseSums* noise) const {
   GatherRays rays(scene, site, options, counts);
-  Moments moments(basis_.size());
-  Batch batch(basis_.size());
+  static thread_local sh::ScatteredSums::Grid grid;  // storage only: emptied for every record
+  sums_.clear(grid);
   rays.for_each_packet([&](const GatherPacket16& packet) {
-    batch.add(packet, basis_);
-    if (batch.is_full()) batch.move_to(moments.rows);
+    sums_.add(packet.inverse_density > 0.0f, packet.direction, Factors(packet).of_rays(), grid);
   });
-  batch.move_to(moments.rows);
+  const Moments moments(sums_.sums(grid));
   if (noise != nullptr) {
     *noise = moments.columns(kNoiseColumn, kNoiseColumns, order_).cast<float>() /
              static_cast<float>(rays.ray_count());

@@ -8,6 +8,7 @@
 #include "core/hash.h"
 #include "gather_rays.h"
 #include "hemisphere_edges.h"
+#include "sh/basis.h"
 
 namespace vrc {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "core/simd.h"
 #include "placement/gather.h"
-#include "sh/basis.h"
 #include "sh/coordinate_operators.h"
+#include "sh/scattered_sums.h"
 
 namespace vrc {
 
@@ -60,19 +60,19 @@ class HarmonicsGatherer {
   /// null, `noise`.
   ///
   /// With Y(r / |r|) differentiated by sh::CoordinateOperators (D, and X for the direction), derivatives need
-  /// no basis but Y itself up to order + 2: d_a Y = D_a Y / |r|, d_ab Y = D_a (D_b - X_b) Y / r^2.
+  /// no sums but those of Y itself up to order + 2: d_a Y = D_a Y / |r|, d_ab Y = D_a (D_b - X_b) Y / r^2.
   [[nodiscard]] IncidentHarmonics gather(const Scene& scene, const RecordSite& site,
                                          const GatherOptions& options, RayCounts& counts, HitDistances& hits,
                                          NoiseSums* noise = nullptr) const;
 
  private:
-  struct Moments;
+  class Moments;
   /// `s`: the shape operator in the record's frame.
   [[nodiscard]] IncidentHarmonics finish(const Moments& moments, const Frame& frame, const Mat2& s,
                                          double rays) const;
 
   int order_;
-  sh::Basis basis_;                       ///< Of order + 2.
+  sh::ScatteredSums sums_;                ///< Of order + 2.
   sh::CoordinateOperators once_, twice_;  ///< Of order and order + 1.
 };
 
