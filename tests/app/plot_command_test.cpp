@@ -58,6 +58,39 @@ TEST_F(PlotCommand, ManyDecadesGetFewLabels) {
   EXPECT_EQ(labels, 10u + 3u);  // every second of 19 powers of ten, and 3
 }
 
+/// The texts of the plot in their order.
+std::vector<std::string> texts_of(const std::string& file) {
+  pugi::xml_document svg;
+  EXPECT_TRUE(svg.load_file(file.c_str()));
+  std::vector<std::string> texts;
+  for (const pugi::xml_node& text : svg.child("svg").children("text")) {
+    std::string whole = text.text().get();
+    if (const pugi::xml_node power = text.child("tspan")) whole += std::string("^") + power.text().get();
+    texts.push_back(whole);
+  }
+  return texts;
+}
+
+TEST_F(PlotCommand, FewDecadesAreDividedByOneTwoAndFive) {
+  const std::string bench = R"({"scenes": [{"scene": "a.xml", "rows": [
+    {"cache": {"cpu_seconds": 0.3, "relmse": 3e-4}}, {"cache": {"cpu_seconds": 3, "relmse": 3e-5}}]}]})";
+  const auto result = run_vrc({"plot", file("bench.json", bench), "-o", at("a.svg")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(texts_of(at("a.svg")),
+              testing::ElementsAre("a", "0.2", "0.5", "1", "2", "5", "2\u00b710^\u22125", "5\u00b710^\u22125",
+                                   "10^\u22124", "2\u00b710^\u22124", "5\u00b710^\u22124", "CPU seconds",
+                                   "relMSE", "radiance cache"));
+}
+
+TEST_F(PlotCommand, OnePointHasAxes) {
+  const std::string bench =
+      R"({"scenes": [{"scene": "a.xml", "rows": [{"cache": {"cpu_seconds": 2, "relmse": 0.03}}]}]})";
+  const auto result = run_vrc({"plot", file("bench.json", bench), "-o", at("a.svg")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(texts_of(at("a.svg")),
+              testing::ElementsAre("a", "2", "5", "0.02", "0.05", "CPU seconds", "relMSE", "radiance cache"));
+}
+
 TEST_F(PlotCommand, SaysWhatIsWrongWithItsInput) {
   const struct {
     std::string input;
