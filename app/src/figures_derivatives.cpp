@@ -60,7 +60,11 @@ std::vector<FigureSeries> term_series(const std::string& prefix, int records) {
 /// are noise.
 void add_rays_curves(Figure& figure, const std::string& prefix, const std::string& quantity, int rays) {
   FigureGroup& group = figure.groups.back();
-  FigureCurves curves{prefix + quantity, "Glossy pair: " + quantity, {}, {"gather_rays"}, "relative_rms"};
+  FigureCurves curves{prefix + quantity,
+                      quantity == "hessian" ? "Glossy pair: Hessian" : "Glossy pair: gradient",
+                      {},
+                      {"gather_rays"},
+                      "relative_rms"};
   for (const std::string method : {"analytic", "no-glossy-glossy", "sh"}) {
     const FigureSeries series = rays_series(prefix + method + "_" + quantity, rays);
     curves.series.push_back(series);

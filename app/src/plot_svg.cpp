@@ -17,10 +17,18 @@ namespace {
 constexpr double kPlotWidth = 300, kPlotHeight = 240;
 constexpr double kLeft = 64, kTop = 34, kRight = 24, kBottom = 48, kLegendHeight = 12;
 constexpr double kMarker = 3.5;
-constexpr double kLegendRow = 18, kLegendLetter = 6.6, kLegendGap = 34, kLegendLeft = 20;
+constexpr double kLegendRow = 18, kLegendLetter = 6.6, kLegendGap = 40, kLegendLeft = 26, kLegendLine = 11;
 constexpr std::array kColors = {"#0072b2", "#d55e00", "#009e73",
                                 "#cc79a7", "#56b4e9", "#e69f00"};  // [OkabeIto2008]
 constexpr std::size_t kShapes = 5;
+// Lines that lie on each other stay visible, also without colours.
+constexpr std::array kDashes = {"none", "8 4", "2 3", "10 3 2 3"};
+
+/// Colour and dashes of a series' line.
+std::string stroke(std::size_t series) {
+  return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\" stroke-dasharray=\"{}\"",
+                     kColors[series % kColors.size()], kDashes[series % kDashes.size()]);
+}
 
 std::string text(double x, double y, const char* anchor, const std::string& content, int size = 12,
                  const std::string& attributes = "") {
@@ -91,26 +99,27 @@ std::string draw_panel(const PlotPanel& panel, double left, const std::string& x
     const auto shape = static_cast<std::size_t>(std::ranges::find(names, s.name) - names.begin());
     std::string path;
     for (const Vec2& p : s.points) path += fmt::format("{:.1f},{:.1f} ", x.at(p.x()), y.at(p.y()));
-    svg += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.8\"/>\n", path,
-                       kColors[shape % kColors.size()]);
+    svg += fmt::format("<polyline points=\"{}\" {}/>\n", path, stroke(shape));
     for (const Vec2& p : s.points) svg += marker(shape, x.at(p.x()), y.at(p.y()));
   }
   return svg;
 }
 
-/// Shapes and names of the series in rows, the first `top` from the document's upper border; `height`
+/// Lines, shapes and names of the series in rows, the first `top` from the document's upper border; `height`
 /// becomes that of all.
 std::string draw_legend(std::span<const std::string> names, double width, double top, double& height) {
   std::string svg;
   double at = kLegendLeft, y = top;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const double length = kLegendLetter * static_cast<double>(names[i].size());
-    if (at > kLegendLeft && at + 10 + length > width) {
+    if (at > kLegendLeft && at + kLegendLine + 5 + length > width) {
       at = kLegendLeft;
       y += kLegendRow;
     }
+    svg += fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" {}/>\n",
+                       at - kLegendLine, y - 4, at + kLegendLine, y - 4, stroke(i));
     svg += marker(i, at, y - 4);
-    svg += text(at + 10, y, "start", xml_escaped(names[i]));
+    svg += text(at + kLegendLine + 5, y, "start", xml_escaped(names[i]));
     at += kLegendGap + length;
   }
   height = y - top + kLegendRow;

@@ -30,7 +30,7 @@ enum class PlotPaper { kWhite, kPage };
 
 /// Panels side by side, as a document of Scalable Vector Graphics. An axis is logarithmic if all its values
 /// are positive, otherwise linear (PlotAxis). Series of one name have one colour (of six that also differ
-/// without colour vision) and shape; a legend tells which.
+/// without colour vision), shape and dashes; a legend tells which.
 [[nodiscard]] std::string plot_svg(std::span<const PlotPanel> panels, const std::string& x_label,
                                    const std::string& y_label, PlotPaper paper = PlotPaper::kWhite);
 [[nodiscard]] std::string plot_svg(const LabelledPlot& plot, PlotPaper paper = PlotPaper::kWhite);

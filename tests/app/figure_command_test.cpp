@@ -381,7 +381,7 @@ TEST_F(Figure, HelpSaysWhatItWrites) {
   const auto help = run_vrc({"figure", "--help"});
   EXPECT_EQ(help.exit_code, 0);
   for (const char* text : {"--quick", "--full", "--restart", "--scenes", "--threads", "-q,--quiet",
-                           "-o,--output", "table.json", "Examples:"}) {
+                           "-o,--output", "table.json", ".svg", "Examples:"}) {
     EXPECT_THAT(help.out, HasSubstr(text));
   }
 }
