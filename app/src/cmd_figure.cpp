@@ -17,8 +17,9 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFooter = R"(
 Renders every panel of a figure of the paper with its settings into DIR/figure_NN: pictures (.exr, .png), errors
-against a reference in false colours (_error.png), records (_records.csv, and drawn in _records.png), and
-table.json with our numbers, the paper's and the figure's claims in numbers. Exit code 1 if one does not hold.
+against a reference in false colours (_error.png), records (_records.csv, and drawn in _records.png), plots of
+errors over records, rays and CPU time (.svg), and table.json with our numbers, the paper's, the curves of the
+plots and the figure's claims in numbers. Exit code 1 if one does not hold.
 Panels that are there, of the same command, scene and program version, are kept; Ctrl-C ends the work in good
 order, and the same command goes on.
 

@@ -49,6 +49,23 @@ struct FigurePanel {
   PanelKind kind = PanelKind::kRender;
   /// Of kDerivatives: that of `vrc derivatives`, or "difference" for analytic less no-glossy-glossy.
   std::string method = {};
+  bool is_point = false;  ///< Of a curve: only its numbers are kept.
+};
+
+/// A panel run again with other values of an option: a line of plots.
+struct FigureSeries {
+  std::string panel;                ///< Of the group; the last point.
+  std::string option;               ///< "--records", "--gather-rays", "--error" or "--spp"
+  std::vector<std::string> values;  ///< Of the points before, as costs rise.
+};
+
+/// Plots of the errors of series over other numbers of the same runs.
+struct FigureCurves {
+  std::string id;     ///< Stem of their files, unique in the figure.
+  std::string title;  ///< For people.
+  std::vector<FigureSeries> series;
+  std::vector<std::string> over;  ///< "cpu_seconds", "records" ...: a plot of those series that have it.
+  std::string error = "relmse";
 };
 
 /// Pictures of one size and camera.
@@ -58,6 +75,7 @@ struct FigureGroup {
   std::string words;          ///< Before those of every panel.
   std::string quantity = {};  ///< Of kDerivatives: "gradient" or "hessian".
   std::vector<FigurePanel> panels = {};
+  std::vector<FigureCurves> curves = {};
 };
 
 /// The words of a text, between spaces.

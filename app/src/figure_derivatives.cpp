@@ -29,6 +29,7 @@ NamedNumbers numbers_of(const DerivativesRun& run) {
                          hessian_error(run.images, method).relative_rms);
     numbers.emplace_back(number_name(name_of(method), "cpu_seconds"), run.images.cpu_seconds[m]);
   }
+  numbers.emplace_back("gather_rays", std::exp2(run.report.options.log2_rays));
   numbers.emplace_back("scale gradient", run.report.gradient_scale);
   numbers.emplace_back("scale hessian", run.report.hessian_scale);
   return numbers;
@@ -76,21 +77,28 @@ Image signed_image(const fs::path& prefix, const std::string& method, const std:
   return difference;
 }
 
+/// The derivatives of size `scale` have full colours.
+void write_colors(const FigureGroup& group, const FigurePanel& panel, double scale, const PanelPlace& place,
+                  PanelStamp& stamp) {
+  const Image colors =
+      signed_colors(signed_image(place.folder / stem_of(group, panel), panel.method, group.quantity), scale);
+  stamp.files = {panel.id + ".exr", panel.id + ".png"};
+  write_exr(place.folder / stamp.files[0], colors, {{"vrc:command_line", stamp.command}});
+  write_png(place.folder / stamp.files[1], colors);
+}
+
 }  // namespace
 
 PanelStamp make_derivatives(const FigureGroup& group, const FigurePanel& panel, std::uint64_t scene_key,
                             const PanelPlace& place, const std::atomic<bool>& stop) {
   const PanelStamp run = run_of(group, panel, scene_key, place, stop);
-  const double scale = number_of(run.numbers, "scale " + group.quantity);
-  const Image colors =
-      signed_colors(signed_image(place.folder / stem_of(group, panel), panel.method, group.quantity), scale);
   PanelStamp stamp;
   stamp.command = run.command;
-  stamp.files = {panel.id + ".exr", panel.id + ".png"};
-  write_exr(place.folder / stamp.files[0], colors, {{"vrc:command_line", stamp.command}});
-  write_png(place.folder / stamp.files[1], colors);
+  if (!panel.is_point)
+    write_colors(group, panel, number_of(run.numbers, "scale " + group.quantity), place, stamp);
   if (panel.method != "difference") {
-    stamp.numbers = {{"relative_rms", number_of(run.numbers, number_name(panel.method, group.quantity))},
+    stamp.numbers = {{"gather_rays", number_of(run.numbers, "gather_rays")},
+                     {"relative_rms", number_of(run.numbers, number_name(panel.method, group.quantity))},
                      {"cpu_seconds", number_of(run.numbers, number_name(panel.method, "cpu_seconds"))}};
   }
   return stamp;

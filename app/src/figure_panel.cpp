@@ -52,20 +52,18 @@ NamedNumbers numbers_of(const RunReport& report, const RenderResult& result) {
                                   : static_cast<double>(result.stats.gather_rays) / std::max(records, 1.0));
   }
   numbers.emplace_back("spp", report.options.samples_per_pixel);
+  numbers.emplace_back("rays", static_cast<double>(total_rays(result.stats)));
   numbers.emplace_back("seconds", report.render_seconds);
   numbers.emplace_back("cpu_seconds", render_cpu_seconds(result));
   return numbers;
 }
 
-/// Writes the pictures of a panel besides those of its records.
-PanelStamp write_pictures(const FigurePanel& panel, const PanelPlace& place, const RenderCommand& command,
-                          const Image& image, const RunReport& report) {
-  PanelStamp stamp;
-  stamp.command = command.text;
+/// Writes the pictures of a panel, those of its records aside.
+void write_pictures(const FigurePanel& panel, const PanelPlace& place, const RenderCommand& command,
+                    const Image& image, const RunReport& report, PanelStamp& stamp) {
   stamp.files = {panel.id + ".exr", panel.id + ".png"};
   for (const std::string& file : stamp.files)
     write_picture(place.folder / file, image, command.arguments.display, report);
-  return stamp;
 }
 
 PanelStamp make_reference(const FigureGroup& group, const FigurePanel& panel, const PanelPlace& place,
@@ -89,7 +87,9 @@ PanelStamp make_reference(const FigureGroup& group, const FigurePanel& panel, co
     }
   }
   const RenderCommand command = command_of(group, panel, "--seed 1", place);
-  PanelStamp stamp = write_pictures(panel, place, command, mean_rgb(halves[0], halves[1]), report);
+  PanelStamp stamp;
+  stamp.command = command.text;
+  write_pictures(panel, place, command, mean_rgb(halves[0], halves[1]), report, stamp);
   stamp.files.insert(stamp.files.end(), files.begin(), files.end());
   stamp.numbers = numbers;
   return stamp;
@@ -144,8 +144,12 @@ PanelStamp make_render(const FigureGroup& group, const FigurePanel& panel, const
     run = render("");
   }
   const Image& image = run.result.image;
-  PanelStamp stamp = write_pictures(panel, place, command, image, run.report);
-  write_records(panel, place, command.arguments, run.result, stamp);
+  PanelStamp stamp;
+  stamp.command = command.text;
+  if (!panel.is_point) {
+    write_pictures(panel, place, command, image, run.report, stamp);
+    write_records(panel, place, command.arguments, run.result, stamp);
+  }
   stamp.numbers = numbers_of(run.report, run.result);
   if (!panel.reference.empty()) {
     const PanelStamp& reference = earlier.at(panel.reference);
@@ -153,8 +157,10 @@ PanelStamp make_render(const FigureGroup& group, const FigurePanel& panel, const
     const NamedNumbers errors =
         errors_against(place.folder, reference, mean, image, command.arguments.display);
     stamp.numbers.insert(stamp.numbers.end(), errors.begin(), errors.end());
-    stamp.files.push_back(panel.id + "_error.png");
-    write_png(place.folder / stamp.files.back(), error_colors(image, mean));
+    if (!panel.is_point) {
+      stamp.files.push_back(panel.id + "_error.png");
+      write_png(place.folder / stamp.files.back(), error_colors(image, mean));
+    }
   }
   return stamp;
 }
@@ -184,8 +190,8 @@ MadePanel make_panel(const FigureGroup& group, const FigurePanel& panel, std::ui
                      const PanelStamps& earlier, const PanelPlace& place, const std::atomic<bool>& stop) {
   const std::uint64_t key = key_of(group, panel, earlier, scene_key);
   if (!place.restart) {
-    if (std::optional<PanelStamp> stamp = read_stamp(place.folder, panel.id, key))
-      return {std::move(*stamp), true};
+    std::optional<PanelStamp> stamp = read_stamp(place.folder, panel.id, key);
+    if (stamp && stamp->files.empty() == panel.is_point) return {std::move(*stamp), true};
   }
   remove_stamp(place.folder, panel.id);
   PanelStamp stamp;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <utility>
+#include <vector>
 
 #include "figure.h"
 
@@ -31,6 +32,25 @@ template <typename T>
 [[nodiscard]] FigureMeasure panel_measure(std::string name, const std::string& panel,
                                           const std::string& number, std::optional<FigureBound> bound,
                                           std::optional<double> paper = {});
+
+/// The largest ratio of a number from point to point of the series: below 1, it falls along all of them.
+[[nodiscard]] FigureMeasure falling_measure(std::string name, const FigureSeries& series,
+                                            const std::string& number, std::optional<FigureBound> bound);
+
+/// The smallest ratio of a number between two series' points of the same places in them: above 1, it is
+/// larger along all of the first one.
+[[nodiscard]] FigureMeasure above_measure(std::string name, const FigureSeries& upper,
+                                          const FigureSeries& lower, const std::string& number,
+                                          std::optional<FigureBound> bound);
+
+/// By --gather-rays, doubling from an eighth of `most`.
+[[nodiscard]] FigureSeries rays_series(const std::string& panel, int most);
+
+/// By --spp, from 16 to 64, of a panel that takes more.
+[[nodiscard]] FigureSeries samples_series(const std::string& panel);
+
+/// By --records, from a quarter up to `most` of them.
+[[nodiscard]] FigureSeries records_series(const std::string& panel, int most);
 
 [[nodiscard]] constexpr FigureBound at_least(double limit) { return {true, limit}; }
 [[nodiscard]] constexpr FigureBound at_most(double limit) { return {false, limit}; }

@@ -115,7 +115,7 @@ FigureOutcome make_figure(const Figure& figure, const FigureOptions& options, co
   FigureOutcome outcome;
   try {
     for (const FigureGroup& group : figure.groups) {
-      for (const FigurePanel& panel : group.panels) {
+      for (const FigurePanel& panel : runs_of(group)) {
         if (stop) throw Interrupted();
         const MadePanel made = make_panel(group, panel, scene_keys.of(group, panel), stamps, place, stop);
         print(figure.number, panel, made);
@@ -126,7 +126,10 @@ FigureOutcome make_figure(const Figure& figure, const FigureOptions& options, co
     outcome.interrupted = true;
   }
   const std::vector<MeasuredValue> values = measure(figure, place.folder, stamps);
-  write_file_atomically(place.folder / "table.json", figure_table(figure, options.size, stamps, values));
+  const std::vector<DrawnCurves> curves = drawn_curves(figure, stamps);
+  for (const DrawnCurves& c : curves) write_file_atomically(place.folder / c.file, plot_svg(c.plot));
+  write_file_atomically(place.folder / "table.json",
+                        figure_table(figure, options.size, stamps, values, curves));
   for (const MeasuredValue& value : values) {
     print(figure.number, value);
     if (!value.holds()) ++outcome.failed;

@@ -22,8 +22,9 @@ struct FigureOutcome {
   bool interrupted = false;
 };
 
-/// Makes the panels of a figure that are not there yet, writes its table.json and prints a line for every
-/// panel and measure. When `stop` is raised, the table lists what is there. Throws InputError.
+/// Makes the panels and points of curves that are not there yet, writes the figure's plots and table.json and
+/// prints a line for every panel and measure. When `stop` is raised, the table lists what is there. Throws
+/// InputError.
 [[nodiscard]] FigureOutcome make_figure(const Figure& figure, const FigureOptions& options,
                                         const std::atomic<bool>& stop);
 

@@ -47,8 +47,7 @@ std::optional<PanelStamp> read_stamp(const fs::path& folder, const std::string& 
     if (json.at("format") != kFormat || json.at("version") != kVersion) return std::nullopt;
     PanelStamp stamp = stamp_of(json);
     const auto there = [&](const std::string& file) { return fs::is_regular_file(folder / file); };
-    if (stamp.key != key || stamp.files.empty() || !std::ranges::all_of(stamp.files, there))
-      return std::nullopt;
+    if (stamp.key != key || !std::ranges::all_of(stamp.files, there)) return std::nullopt;
     return stamp;
   } catch (const Json::exception&) {  // damaged: the panel is made again
     return std::nullopt;

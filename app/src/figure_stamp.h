@@ -15,7 +15,8 @@ namespace vrc {
 struct PanelStamp {
   std::uint64_t key = 0;  ///< Of everything that its files depend on.
   std::string command;
-  std::vector<std::string> files;  ///< Names in the figure's folder; the first is the picture.
+  std::vector<std::string>
+      files;  ///< Names in the figure's folder; the first is the picture. Points have none.
   NamedNumbers numbers;
 };
 

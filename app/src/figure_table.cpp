@@ -44,6 +44,20 @@ Json as_json(const FigureGroup& group, const FigurePanel& panel, const PanelStam
   return json;
 }
 
+Json as_json(const DrawnCurves& curves) {
+  Json series = Json::array();
+  for (const PlotSeries& s : curves.plot.panel.series) {
+    Json points = Json::array();
+    for (const Vec2& p : s.points) points.push_back({p.x(), p.y()});
+    series.push_back({{"name", s.name}, {"points", std::move(points)}});
+  }
+  return {{"title", curves.plot.panel.title},
+          {"x", curves.plot.x_label},
+          {"y", curves.plot.y_label},
+          {"svg", curves.file},
+          {"series", std::move(series)}};
+}
+
 }  // namespace
 
 std::string bound_text(const FigureBound& bound) {
@@ -51,7 +65,7 @@ std::string bound_text(const FigureBound& bound) {
 }
 
 std::string figure_table(const Figure& figure, FigureSize size, const PanelStamps& stamps,
-                         std::span<const MeasuredValue> values) {
+                         std::span<const MeasuredValue> values, std::span<const DrawnCurves> curves) {
   Json groups = Json::array();
   for (const FigureGroup& group : figure.groups) {
     Json panels = Json::array();
@@ -72,13 +86,16 @@ std::string figure_table(const Figure& figure, FigureSize size, const PanelStamp
     if (value.measure->paper) measure["paper"] = *value.measure->paper;
     measures.push_back(std::move(measure));
   }
+  Json drawn = Json::array();
+  for (const DrawnCurves& c : curves) drawn.push_back(as_json(c));
   const Json table{{"format", "vrc figure 1"},
                    {"figure", figure.number},
                    {"title", figure.title},
                    {"claim", figure.claim},
                    {"size", size == FigureSize::kQuick ? "quick" : "full"},
                    {"groups", std::move(groups)},
-                   {"measures", std::move(measures)}};
+                   {"measures", std::move(measures)},
+                   {"curves", std::move(drawn)}};
   return table.dump(2) + "\n";
 }
 

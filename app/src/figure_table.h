@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "figure_panel.h"
+#include "figure_curves.h"
 
 namespace vrc {
 
@@ -20,9 +20,10 @@ struct MeasuredValue {
 /// ">= 2"
 [[nodiscard]] std::string bound_text(const FigureBound& bound);
 
-/// table.json: the panels that are there and the measures that they allow. Numbers that are not finite are
-/// left out.
+/// table.json: the panels that are there, and the measures and curves that they allow. Numbers that are not
+/// finite are left out.
 [[nodiscard]] std::string figure_table(const Figure& figure, FigureSize size, const PanelStamps& stamps,
-                                       std::span<const MeasuredValue> values);
+                                       std::span<const MeasuredValue> values,
+                                       std::span<const DrawnCurves> curves);
 
 }  // namespace vrc

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Figures that compare radiance with spherical harmonics.
+#include "figure_curves.h"
 #include "figure_parts.h"
 
 namespace vrc {
@@ -11,7 +12,8 @@ Figure figure_2(FigureSize size) {
       "At exponent 100, spherical harmonics of order 10 ring, however many records there are; interpolated "
       "radiance does not.";
   const int side = pick(size, 160, 512);
-  const std::string records = records_words(pick(size, 800, 8000), pick(size, 4096, 8192));
+  const int count = pick(size, 800, 8000);
+  const std::string records = records_words(count, pick(size, 4096, 8192));
   FigureGroup group{"half_box", "half_box.xml", indirect_words(side, side)};
   group.panels = {
       reference_panel("reference", size),
@@ -27,9 +29,18 @@ Figure figure_2(FigureSize size) {
        {{"records", 8000}}},
       {"ours", "This program's defaults", records, "reference"},
   };
+  const FigureSeries radiance = records_series("analytic", count);
+  group.curves = {{"curve",
+                   "Half box at exponent 100",
+                   {radiance, records_series("harmonics", count), records_series("ours", count)},
+                   {"records", "cpu_seconds"}}};
   figure.groups = {group};
   figure.measures = {
       ratio_measure("relMSE, harmonics over radiance", "harmonics", "analytic", "relmse", at_least(10.0)),
+      ratio_measure("relMSE, harmonics over radiance with a quarter of the records", "harmonics",
+                    points_of(radiance).front(), "relmse", at_least(3.0)),
+      ratio_measure("relMSE, radiance with a quarter of the records over all", points_of(radiance).front(),
+                    "analytic", "relmse", at_least(1.5)),
       ratio_measure("relMSE, radiance over defaults", "analytic", "ours", "relmse", {}),
   };
   return figure;
@@ -71,6 +82,13 @@ Figure figure_7(FigureSize size) {
        {},
        EqualTime{"analytic", "--records", count}},
   };
+  const FigureSeries by_records = records_series("analytic", count);
+  const FigureSeries by_samples = samples_series("path");
+  group.curves = {
+      {"curve",
+       "Glossy Cornell box, 8192 rays a record",
+       {by_records, records_series("harmonics", count / 2), records_series("ours", count / 2), by_samples},
+       {"cpu_seconds", "records", "rays"}}};
   figure.groups = {group};
   figure.measures = {
       ratio_measure("relMSE, harmonics over radiance, overture", "harmonics", "analytic", "relmse",
@@ -86,6 +104,9 @@ Figure figure_7(FigureSize size) {
       ratio_measure("CPU time, harmonics over radiance", "harmonics", "analytic", "cpu_seconds", {}),
       ratio_measure("records, radiance over harmonics", "analytic", "harmonics", "records", {},
                     5000.0 / 800.0),
+      falling_measure("radiance: relMSE along its curve, largest step", by_records, "relmse", at_most(1.0)),
+      falling_measure("path tracing: relMSE along its curve, largest step", by_samples, "relmse",
+                      at_most(1.0)),
   };
   return figure;
 }

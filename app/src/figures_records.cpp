@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Figures about where records are and how they are interpolated.
+#include <fmt/format.h>
+
 #include "figure_density.h"
 #include "figure_parts.h"
 
@@ -15,6 +17,21 @@ FigureMeasure density_measure(std::string name, std::string panel, double Record
             return record_density(values.records(panel, density_columns()), probes).*number;
           },
           bound};
+}
+
+/// Of series of the orders 0, 1, 2: each falls as records grow, below that of the order before.
+void add_order_measures(Figure& figure, const std::string& scene, const std::vector<FigureSeries>& orders) {
+  for (int order = 0; order <= 2; ++order) {
+    const auto at = static_cast<std::size_t>(order);
+    figure.measures.push_back(
+        falling_measure(fmt::format("{}: relMSE along its curve, largest step, order {}", scene, order),
+                        orders[at], "relmse", at_most(1.0)));
+    if (order == 0) continue;
+    figure.measures.push_back(
+        above_measure(fmt::format("{}: relMSE along the curves, smallest ratio, order {} over order {}",
+                                  scene, order - 1, order),
+                      orders[at - 1], orders[at], "relmse", at_least(1.0)));
+  }
 }
 
 }  // namespace
@@ -63,23 +80,31 @@ Figure figure_6(FigureSize size) {
       "With the same 700 records, each order of the polynomial lowers the error; where noise of the records "
       "weighs more (the half box), the second order gains little.";
   const int side = pick(size, 160, 512);
-  const std::string words = "--preset paper " + records_words(700, 8192);
+  constexpr int kRecords = 700;
+  const std::string words = "--preset paper " + records_words(kRecords, 8192);
   for (const char* scene : {"glossy_pair", "half_box"}) {
     const std::string prefix = std::string(scene) + "_";
     const bool clean = prefix == "glossy_pair_";
     FigureGroup group{scene, std::string(scene) + ".xml",
                       indirect_words(side, side) + (clean ? " --exposure -1.5" : "")};
     group.panels = {reference_panel(prefix + "reference", size)};
+    FigureCurves curves{prefix + "curve",
+                        clean ? "Glossy pair, 8192 rays a record" : "Half box, 8192 rays a record",
+                        {},
+                        {"records"}};
     for (const int order : {0, 1, 2}) {
       const std::string digit = std::to_string(order);
       group.panels.push_back({prefix + "order_" + digit,
                               "Order " + digit,
                               words + " --taylor-order " + digit,
                               prefix + "reference",
-                              {{"records", 700}}});
+                              {{"records", kRecords}}});
+      curves.series.push_back(records_series(prefix + "order_" + digit, kRecords));
     }
-    group.panels.push_back({prefix + "ours", "This program's defaults, order 2", records_words(700, 8192),
-                            prefix + "reference"});
+    group.panels.push_back({prefix + "ours", "This program's defaults, order 2",
+                            records_words(kRecords, 8192), prefix + "reference"});
+    curves.series.push_back(records_series(prefix + "ours", kRecords));
+    group.curves = {curves};
     figure.groups.push_back(group);
     const auto bound = [&](double limit) { return clean ? std::optional(at_least(limit)) : std::nullopt; };
     figure.measures.push_back(ratio_measure(std::string(scene) + ": relMSE, order 0 over order 1",
@@ -88,6 +113,7 @@ Figure figure_6(FigureSize size) {
                                             prefix + "order_1", prefix + "order_2", "relmse", bound(1.5)));
     figure.measures.push_back(ratio_measure(std::string(scene) + ": relMSE, order 2 over defaults",
                                             prefix + "order_2", prefix + "ours", "relmse", {}));
+    if (clean) add_order_measures(figure, scene, curves.series);
   }
   return figure;
 }
@@ -99,7 +125,8 @@ Figure figure_8(FigureSize size) {
       "With 2000 records the view-dependent strategy has a lower error than the view-independent one, and "
       "that with interpolated radiance a lower one than with interpolated spherical harmonics.";
   const int side = pick(size, 160, 512);
-  const std::string records = records_words(pick(size, 700, 2000), 8192);
+  const int count = pick(size, 700, 2000);
+  const std::string records = records_words(count, 8192);
   FigureGroup group{"cornell_glossy", "cornell_glossy.xml", indirect_words(side, side) + " --exposure 1.5"};
   const NamedNumbers paper = {{"records", 2000}, {"gather_rays", 8192}};
   group.panels = {
@@ -114,12 +141,22 @@ Figure figure_8(FigureSize size) {
        paper},
       {"ours", "This program's defaults", records, "reference"},
   };
+  const FigureSeries view_dependent = records_series("view_dependent", count);
+  group.curves = {{"curve",
+                   "Glossy Cornell box, 8192 rays a record",
+                   {view_dependent, records_series("outgoing", count), records_series("harmonics", count),
+                    records_series("ours", count)},
+                   {"records", "cpu_seconds"}}};
   figure.groups = {group};
   figure.measures = {
       ratio_measure("relMSE, view-independent radiance over view-dependent", "outgoing", "view_dependent",
                     "relmse", at_least(1.1)),
       ratio_measure("relMSE, view-independent harmonics over view-independent radiance", "harmonics",
                     "outgoing", "relmse", at_least(1.5)),
+      falling_measure("view-dependent: relMSE along its curve, largest step", view_dependent, "relmse",
+                      at_most(1.0)),
+      above_measure("relMSE along the curves, smallest ratio, view-independent harmonics over view-dependent",
+                    records_series("harmonics", count), view_dependent, "relmse", at_least(1.0)),
       ratio_measure("relMSE, view-dependent over defaults", "view_dependent", "ours", "relmse", {}),
   };
   return figure;

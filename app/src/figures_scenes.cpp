@@ -21,7 +21,7 @@ FigureGroup equal_time_group(const std::string& name, const std::string& scene, 
       reference_panel(prefix + "reference", size),
       {prefix + "cache", "The paper's records", cache, prefix + "reference", paper},
       {prefix + "path",
-       "Path tracing, equal time",
+       "Path tracing",
        "--method path",
        prefix + "reference",
        {},
@@ -47,16 +47,20 @@ Figure figure_9(FigureSize size) {
   figure.claim =
       "Records follow the sharper reflections of GGX; in the box path tracing has larger errors at equal "
       "time.";
-  const int side = pick(size, 160, 512);
+  const int side = pick(size, 160, 512), count = pick(size, 1000, 5000);
   FigureGroup kitchen =
       equal_time_group("kitchen, GGX", kKitchen,
                        indirect_words(pick(size, 96, 1024), pick(size, 72, 768)) + " -D material=ggx",
                        "kitchen_", paper_words(size, kKitchenRecords, kKitchenRays), {}, size);
   FigureGroup box =
       equal_time_group("cornell_ggx", "cornell_ggx.xml", indirect_words(side, side) + " --exposure 1.5",
-                       "box_", "--preset paper " + records_words(pick(size, 1000, 5000), 8192), {}, size);
-  box.panels.push_back(
-      {"box_ours", "This program's defaults", records_words(pick(size, 1000, 5000), 8192), "box_reference"});
+                       "box_", "--preset paper " + records_words(count, 8192), {}, size);
+  box.panels.push_back({"box_ours", "This program's defaults", records_words(count, 8192), "box_reference"});
+  box.curves = {
+      {"box_curve",
+       "GGX box, 8192 rays a record",
+       {records_series("box_cache", count), samples_series("box_path"), records_series("box_ours", count)},
+       {"cpu_seconds", "rays"}}};
   figure.groups = {kitchen, box};
   figure.measures = {
       equal_time_measure("kitchen", "kitchen_", {}),
@@ -132,13 +136,18 @@ Figure figure_12(FigureSize size) {
     crown.panels.pop_back();
   else
     crown.panels.back().paper = {{"seconds", 108000}};  // of the paper's reference
-  FigureGroup plate = equal_time_group(
-      "reflection on the plate", "crown.xml",
-      indirect_words(pick(size, 128, 1280), pick(size, 64, 640)) +
-          " --exposure 1 -D target=-0.6,0,2.35 -D fov=14",
-      "plate_", "--preset paper " + records_words(pick(size, 700, 20000), pick(size, 8192, 32768)), {}, size);
+  const int count = pick(size, 700, 20000);
+  FigureGroup plate =
+      equal_time_group("reflection on the plate", "crown.xml",
+                       indirect_words(pick(size, 128, 1280), pick(size, 64, 640)) +
+                           " --exposure 1 -D target=-0.6,0,2.35 -D fov=14",
+                       "plate_", "--preset paper " + records_words(count, pick(size, 8192, 32768)), {}, size);
   plate.panels.push_back({"plate_ours", "This program's defaults",
                           std::string("--error ") + pick(size, "0.07", "0.03"), "plate_reference"});
+  plate.curves = {{"plate_curve",
+                   "Reflection on the plate",
+                   {records_series("plate_cache", count), samples_series("plate_path")},
+                   {"cpu_seconds", "rays"}}};
   figure.groups = {crown, plate};
   figure.measures = {
       equal_time_measure("plate", "plate_", at_least(1.2)),

@@ -155,8 +155,8 @@ Vec2 point_of(const Field& field) {
   return {coordinates[0].number(), coordinates[1].number()};
 }
 
-ReportCurves curves_of(const Field& field) {
-  ReportCurves curves{{field.text_or_empty("title"), {}}, field.text_or_empty("x"), field.text_or_empty("y")};
+LabelledPlot curves_of(const Field& field) {
+  LabelledPlot curves{{field.text_or_empty("title"), {}}, field.text_or_empty("x"), field.text_or_empty("y")};
   for (const Field& series : field.at("series").items()) {
     PlotSeries& added = curves.panel.series.emplace_back(PlotSeries{series.at("name").text(), {}});
     for (const Field& point : series.at("points").items()) added.points.push_back(point_of(point));

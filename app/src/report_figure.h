@@ -35,18 +35,13 @@ struct ReportMeasure {
   std::optional<bool> holds;              ///< Nothing where nothing was to hold.
 };
 
-struct ReportCurves {
-  PlotPanel panel;
-  std::string x_label, y_label;
-};
-
 /// What a folder's table.json says of a figure.
 struct ReportFigure {
   int number = 0;
   std::string title, claim, size;  ///< The last two may be empty.
   std::vector<ReportGroup> groups;
   std::vector<ReportMeasure> measures;
-  std::vector<ReportCurves> curves;
+  std::vector<LabelledPlot> curves;
 };
 
 /// Reads FOLDER/table.json, format "vrc figure 1". Fields that it does not know are left out. Throws

@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 namespace vrc {
 namespace {
@@ -54,6 +56,19 @@ std::string readable(double value) {
 std::string readable(std::int64_t value) {
   const std::string digits = std::to_string(value);
   return value < 0 ? kMinus + grouped(digits.substr(1)) : grouped(digits);
+}
+
+std::string title_of(const std::string& number) {
+  static const std::map<std::string, std::string> kTitles{{"cpu_seconds", "CPU seconds"},
+                                                          {"gather_rays", "rays a gather"},
+                                                          {"relative_rms", "relative RMS error"},
+                                                          {"relmse", "relMSE"},
+                                                          {"ssim", "SSIM"}};
+  const auto known = kTitles.find(number);
+  if (known != kTitles.end()) return known->second;
+  std::string title = number;
+  std::ranges::replace(title, '_', ' ');
+  return title;
 }
 
 }  // namespace vrc

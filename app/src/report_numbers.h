@@ -13,4 +13,7 @@ namespace vrc {
 /// All digits, in groups of three.
 [[nodiscard]] std::string readable(std::int64_t value);
 
+/// What a number of a panel is called: "CPU seconds" for "cpu_seconds".
+[[nodiscard]] std::string title_of(const std::string& number);
+
 }  // namespace vrc

@@ -135,14 +135,16 @@ std::string commands_html(const ReportGroup& group) {
          "</dl>\n</details>\n";
 }
 
-std::string curves_html(const std::vector<ReportCurves>& curves) {
+std::string curves_html(const std::vector<LabelledPlot>& curves) {
   std::string html;
-  for (const ReportCurves& c : curves) {
+  for (const LabelledPlot& c : curves) {
     html += fmt::format("<div class=\"plot\" role=\"img\" aria-label=\"{}\">\n",
                         xml_escaped(fmt::format("{}: {} over {}", c.panel.title, c.y_label, c.x_label)));
-    html += plot_svg(std::span(&c.panel, 1), c.x_label, c.y_label, PlotPaper::kPage) + "</div>\n";
+    html += plot_svg(c, PlotPaper::kPage) + "</div>\n";
   }
-  return html.empty() ? "" : "<div class=\"plots\">\n" + html + "</div>\n";
+  if (html.empty()) return "";
+  return "<section class=\"group\">\n<h3>Convergence</h3>\n<div class=\"plots\">\n" + html +
+         "</div>\n</section>\n";
 }
 
 struct Verdict {

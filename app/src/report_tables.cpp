@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
 #include "io/xml_text.h"
+#include "report_numbers.h"
 
 namespace vrc {
 namespace {
@@ -28,18 +28,6 @@ std::vector<Column> columns_of(const ReportGroup& group) {
     for (const auto& [key, value] : panel.paper) find_or_add(key).in_paper = true;
   }
   return columns;
-}
-
-std::string title_of(const std::string& key) {
-  static const std::map<std::string, std::string> kTitles{{"cpu_seconds", "CPU seconds"},
-                                                          {"gather_rays", "rays a record"},
-                                                          {"relmse", "relMSE"},
-                                                          {"ssim", "SSIM"}};
-  const auto known = kTitles.find(key);
-  if (known != kTitles.end()) return known->second;
-  std::string title = key;
-  std::ranges::replace(title, '_', ' ');
-  return title;
 }
 
 std::string cell(const ReportValues& values, const std::string& key, const char* css_class) {

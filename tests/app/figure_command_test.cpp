@@ -2,8 +2,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <pugixml.hpp>
+#include <sstream>
 
 #include "io/image_io.h"
 #include "run_program.h"
@@ -15,6 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using test::run_vrc;
+using testing::AllOf;
+using testing::Contains;
 using testing::HasSubstr;
 
 /// Runs small figures into a folder of its own.
@@ -56,11 +64,62 @@ class Figure : public testing::Test {
         EXPECT_TRUE(!panel.contains("reference") || numbers.contains(panel.at("reference")));
       }
     }
+    for (const json& curves : made.at("curves")) check_curves(number, curves);
     EXPECT_GT(made.at("measures").size(), 1u);
     for (const json& measure : made.at("measures")) {
       EXPECT_TRUE(measure.value("holds", true)) << measure;
     }
     return numbers;
+  }
+
+  /// Points are finite and positive, and the plot beside the table shows every series and point.
+  void check_curves(int number, const json& curves) const {
+    const std::string file_name = curves.at("svg");
+    const std::string text = test::read_file(file(number, file_name));
+    pugi::xml_document svg;
+    ASSERT_TRUE(svg.load_string(text.c_str())) << file_name;
+    EXPECT_THAT(text, AllOf(HasSubstr(curves.at("title").get<std::string>()),
+                            HasSubstr(fmt::format(">{}<", curves.at("x").get<std::string>())),
+                            HasSubstr(fmt::format(">{}<", curves.at("y").get<std::string>()))));
+    auto line = svg.child("svg").child("polyline");
+    for (const json& series : curves.at("series")) {
+      EXPECT_GE(series.at("points").size(), 3u) << file_name << ": " << series.at("name");
+      for (const json& point : series.at("points")) {
+        for (const json& coordinate : point) {
+          EXPECT_TRUE(std::isfinite(coordinate.get<double>()) && coordinate > 0.0) << file_name << point;
+        }
+      }
+      EXPECT_EQ(words_in(line.attribute("points").value()), series.at("points").size()) << file_name;
+      line = line.next_sibling("polyline");
+    }
+    EXPECT_FALSE(line) << file_name;
+    std::vector<std::string> texts;
+    for (const pugi::xml_node& node : svg.child("svg").children("text"))
+      texts.emplace_back(node.text().get());
+    for (const json& series : curves.at("series"))
+      EXPECT_THAT(texts, Contains(series.at("name").get<std::string>())) << file_name;
+  }
+
+  static std::size_t words_in(const std::string& text) {
+    std::istringstream stream(text);
+    return static_cast<std::size_t>(
+        std::distance(std::istream_iterator<std::string>(stream), std::istream_iterator<std::string>()));
+  }
+
+  /// The errors of a series of the curves in that file, in the order of its points.
+  [[nodiscard]] std::vector<double> errors_along(int number, const std::string& svg,
+                                                 const std::string& name) const {
+    const json made = table(number);
+    std::vector<double> errors;
+    for (const json& curves : made.at("curves")) {
+      if (curves.at("svg") != svg) continue;
+      for (const json& series : curves.at("series")) {
+        if (series.at("name") != name) continue;
+        for (const json& point : series.at("points")) errors.push_back(point.at(1));
+      }
+    }
+    EXPECT_GE(errors.size(), 3u) << svg << ": " << name;
+    return errors;
   }
 
   /// Of the measure whose name begins like this.
@@ -80,6 +139,9 @@ double relmse(const std::map<std::string, json>& panels, const std::string& id) 
   return panels.at(id).at("relmse");
 }
 
+/// Every error is below the one before.
+MATCHER(Falls, "") { return std::ranges::adjacent_find(arg, std::less_equal<>()) == arg.end(); }
+
 TEST_F(Figure, N1RecordsFollowTheHessian) {
   const auto panels = make_whole(1);
   const double records = panels.at("view_independent").at("records");
@@ -92,18 +154,29 @@ TEST_F(Figure, N1RecordsFollowTheHessian) {
 TEST_F(Figure, N2HarmonicsRing) {
   const auto panels = make_whole(2);
   EXPECT_GT(relmse(panels, "harmonics"), 10.0 * relmse(panels, "analytic"));
+  const auto radiance = errors_along(2, "curve_records.svg", "Radiance");
+  EXPECT_GT(relmse(panels, "harmonics"), 3.0 * radiance.front());
+  EXPECT_GT(radiance.front(), 1.5 * radiance.back());
 }
 
 TEST_F(Figure, N3GlossyGlossyTermInTheBox) {
   const auto panels = make_whole(3);
   EXPECT_GT(relmse(panels, "without"), 1.3 * relmse(panels, "with"));
   EXPECT_GT(relmse(panels, "standard"), 3.0 * relmse(panels, "with"));
+  const std::string with = "With the glossy-glossy term";
+  EXPECT_THAT(errors_along(3, "records_curve_records.svg", with), Falls());
+  const auto by_rays = errors_along(3, "rays_curve_gather_rays.svg", with);
+  EXPECT_GT(by_rays.front(), 2.0 * by_rays.back());
 }
 
 TEST_F(Figure, N4GlossyGlossyTermMattersOnlyBetweenGlossySurfaces) {
   const auto panels = make_whole(4);
   EXPECT_GT(relmse(panels, "glossy_without"), 10.0 * relmse(panels, "glossy_with"));
   EXPECT_LT(relmse(panels, "diffuse_without"), 1.5 * relmse(panels, "diffuse_with"));
+  const auto with = errors_along(4, "glossy_curve_records.svg", "With the glossy-glossy term");
+  EXPECT_THAT(with, Falls());
+  EXPECT_THAT(errors_along(4, "glossy_curve_records.svg", "Without the glossy-glossy term"),
+              testing::Pointwise(testing::Gt(), with));
 }
 
 TEST_F(Figure, N5DerivativesAgreeWithFiniteDifferences) {
@@ -117,6 +190,15 @@ TEST_F(Figure, N5DerivativesAgreeWithFiniteDifferences) {
       EXPECT_GT(error("half_box_" + method + quantity), 1.5 * error("half_box_analytic" + quantity));
     }
   }
+  // More rays help only derivatives that are right.
+  for (const std::string svg :
+       {"glossy_pair_gradient_gather_rays.svg", "glossy_pair_hessian_gather_rays.svg"}) {
+    EXPECT_THAT(errors_along(5, svg, "Analytic"), Falls()) << svg;
+    for (const char* name : {"Without the glossy-glossy term", "Spherical harmonics"}) {
+      const auto errors = errors_along(5, svg, name);
+      EXPECT_GT(errors.back(), 0.8 * errors.front()) << svg << ": " << name;
+    }
+  }
 }
 
 TEST_F(Figure, N6HigherOrdersHaveSmallerErrors) {
@@ -125,6 +207,15 @@ TEST_F(Figure, N6HigherOrdersHaveSmallerErrors) {
   EXPECT_GT(relmse(panels, "glossy_pair_order_0"), 1.5 * relmse(panels, "glossy_pair_order_1"));
   EXPECT_GT(relmse(panels, "glossy_pair_order_1"), 1.5 * relmse(panels, "glossy_pair_order_2"));
   EXPECT_GT(relmse(panels, "half_box_order_0"), 1.5 * relmse(panels, "half_box_order_1"));
+  std::vector<double> lower;
+  for (const char* order : {"Order 0", "Order 1", "Order 2"}) {
+    const auto errors = errors_along(6, "glossy_pair_curve_records.svg", order);
+    EXPECT_THAT(errors, Falls()) << order;
+    if (!lower.empty()) {
+      EXPECT_THAT(errors, testing::Pointwise(testing::Lt(), lower)) << order;
+    }
+    lower = errors;
+  }
 }
 
 TEST_F(Figure, N7RadianceIsBestAtEqualTime) {
@@ -138,17 +229,28 @@ TEST_F(Figure, N7RadianceIsBestAtEqualTime) {
     EXPECT_GT(seconds, 0.6 * wanted) << id;
     EXPECT_LT(seconds, 1.6 * wanted) << id;
   }
+  for (const char* over : {"cpu_seconds", "rays"}) {
+    const std::string svg = fmt::format("curve_{}.svg", over);
+    EXPECT_THAT(errors_along(7, svg, "Radiance, overture"), Falls()) << over;
+    EXPECT_THAT(errors_along(7, svg, "Path tracing"), Falls()) << over;
+  }
+  EXPECT_GE(errors_along(7, "curve_records.svg", "Radiance, overture").size(), 3u);
 }
 
 TEST_F(Figure, N8OrderOfTheStrategies) {
   const auto panels = make_whole(8);
   EXPECT_GT(relmse(panels, "outgoing"), 1.1 * relmse(panels, "view_dependent"));
   EXPECT_GT(relmse(panels, "harmonics"), 1.5 * relmse(panels, "outgoing"));
+  const auto view_dependent = errors_along(8, "curve_records.svg", "View-dependent, radiance");
+  EXPECT_THAT(view_dependent, Falls());
+  EXPECT_THAT(errors_along(8, "curve_records.svg", "View-independent, spherical harmonics"),
+              testing::Pointwise(testing::Gt(), view_dependent));
 }
 
 TEST_F(Figure, N9GgxAgainstPathTracing) {
   const auto panels = make_whole(9);
   EXPECT_GT(relmse(panels, "box_path"), 5.0 * relmse(panels, "box_cache"));
+  EXPECT_THAT(errors_along(9, "box_curve_rays.svg", "The paper's records"), Falls());
 }
 
 TEST_F(Figure, N10CloseUpsOfTheKitchen) {
@@ -171,6 +273,7 @@ TEST_F(Figure, N12ReflectionOfTheCrown) {
   const auto panels = make_whole(12);
   EXPECT_GT(relmse(panels, "plate_path"), 1.2 * relmse(panels, "plate_cache"));
   EXPECT_GT(relmse(panels, "plate_path"), 2.0 * relmse(panels, "plate_ours"));
+  EXPECT_THAT(errors_along(12, "plate_curve_rays.svg", "Path tracing"), Falls());
 }
 
 /// Lines of a panel that was found made.
@@ -198,6 +301,29 @@ TEST_F(Figure, KeepsWhatIsThere) {
   EXPECT_EQ(count_kept(mended.out), 1);
   EXPECT_EQ(test::read_file(file(1, "view_dependent.png")), picture);
   EXPECT_TRUE(fs::exists(file(1, "view_independent.exr")));
+}
+
+TEST_F(Figure, KeepsThePointsOfCurvesAndReportsThem) {
+  ASSERT_EQ(make("2").exit_code, 0);
+  const std::string table_before = test::read_file(file(2, "table.json"));
+  const std::string plot = test::read_file(file(2, "curve_records.svg"));
+  fs::remove(file(2, "curve_records.svg"));
+  EXPECT_EQ(count_kept(make("2").out), 4 + 3 * 3);
+  EXPECT_EQ(test::read_file(file(2, "table.json")), table_before);
+  EXPECT_EQ(test::read_file(file(2, "curve_records.svg")), plot);
+
+  // A point whose stamp is missing is made again, to the same error.
+  fs::remove(file(2, "analytic_records_200.json"));
+  EXPECT_EQ(count_kept(make("2").out), 4 + 3 * 3 - 1);
+  EXPECT_EQ(test::read_file(file(2, "curve_records.svg")), plot);
+  EXPECT_FALSE(fs::exists(file(2, "analytic_records_200.exr")));
+
+  const std::string page = (folder_ / "report.html").string();
+  const auto report = run_vrc({"report", folder_.path().string(), "-o", page});
+  ASSERT_EQ(report.exit_code, 0) << report.err;
+  const std::string html = test::read_file(page);
+  for (const char* over : {"records", "CPU seconds"})
+    EXPECT_THAT(html, HasSubstr(fmt::format("relMSE over {}\"", over)));
 }
 
 TEST_F(Figure, MakesAgainWhatAnotherSceneChanges) {
@@ -255,7 +381,7 @@ TEST_F(Figure, HelpSaysWhatItWrites) {
   const auto help = run_vrc({"figure", "--help"});
   EXPECT_EQ(help.exit_code, 0);
   for (const char* text : {"--quick", "--full", "--restart", "--scenes", "--threads", "-q,--quiet",
-                           "-o,--output", "table.json", "Examples:"}) {
+                           "-o,--output", "table.json", ".svg", "Examples:"}) {
     EXPECT_THAT(help.out, HasSubstr(text));
   }
 }

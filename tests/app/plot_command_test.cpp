@@ -43,7 +43,12 @@ TEST_F(PlotCommand, DrawsAPanelForEachSceneOnLogarithmicAxes) {
   const std::string first = svg.child("svg").child("polyline").attribute("points").value();
   EXPECT_EQ(first, "64.0,154.0 364.0,274.0 ");
   const auto lines = svg.child("svg").children("polyline");
-  EXPECT_EQ(std::distance(lines.begin(), lines.end()), 3);
+  ASSERT_EQ(std::distance(lines.begin(), lines.end()), 3);
+  // The cache of both scenes, and between them path tracing, which differs also without colours.
+  std::vector<std::string> dashes;
+  for (const pugi::xml_node& line : lines) dashes.emplace_back(line.attribute("stroke-dasharray").value());
+  EXPECT_EQ(dashes[0], dashes[2]);
+  EXPECT_NE(dashes[0], dashes[1]);
 }
 
 TEST_F(PlotCommand, ManyDecadesGetFewLabels) {
@@ -56,6 +61,39 @@ TEST_F(PlotCommand, ManyDecadesGetFewLabels) {
   std::size_t labels = 0;
   for (const pugi::xml_node& text : svg.child("svg").children("text")) labels += text.child("tspan") ? 1 : 0;
   EXPECT_EQ(labels, 10u + 3u);  // every second of 19 powers of ten, and 3
+}
+
+/// The texts of the plot in their order.
+std::vector<std::string> texts_of(const std::string& file) {
+  pugi::xml_document svg;
+  EXPECT_TRUE(svg.load_file(file.c_str()));
+  std::vector<std::string> texts;
+  for (const pugi::xml_node& text : svg.child("svg").children("text")) {
+    std::string whole = text.text().get();
+    if (const pugi::xml_node power = text.child("tspan")) whole += std::string("^") + power.text().get();
+    texts.push_back(whole);
+  }
+  return texts;
+}
+
+TEST_F(PlotCommand, FewDecadesAreDividedByOneTwoAndFive) {
+  const std::string bench = R"({"scenes": [{"scene": "a.xml", "rows": [
+    {"cache": {"cpu_seconds": 0.3, "relmse": 3e-4}}, {"cache": {"cpu_seconds": 3, "relmse": 3e-5}}]}]})";
+  const auto result = run_vrc({"plot", file("bench.json", bench), "-o", at("a.svg")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(texts_of(at("a.svg")),
+              testing::ElementsAre("a", "0.2", "0.5", "1", "2", "5", "2\u00b710^\u22125", "5\u00b710^\u22125",
+                                   "10^\u22124", "2\u00b710^\u22124", "5\u00b710^\u22124", "CPU seconds",
+                                   "relMSE", "radiance cache"));
+}
+
+TEST_F(PlotCommand, OnePointHasAxes) {
+  const std::string bench =
+      R"({"scenes": [{"scene": "a.xml", "rows": [{"cache": {"cpu_seconds": 2, "relmse": 0.03}}]}]})";
+  const auto result = run_vrc({"plot", file("bench.json", bench), "-o", at("a.svg")});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(texts_of(at("a.svg")),
+              testing::ElementsAre("a", "2", "5", "0.02", "0.05", "CPU seconds", "relMSE", "radiance cache"));
 }
 
 TEST_F(PlotCommand, SaysWhatIsWrongWithItsInput) {

@@ -37,7 +37,10 @@ json tiny_table() {
                  {"name": "second", "value": 12345678, "bound": "> 0", "holds": true}, {"name": "free", "value": -0.25}],
     "curves": [{"title": "box & co", "x": "CPU seconds", "y": "relMSE",
                 "series": [{"name": "cache", "points": [[1.0, 0.01], [2.0, 0.003]]}]},
-               {"title": "linear", "x": "angle", "y": "error", "series": [{"name": "a", "points": [[-1, 0], [1, 3]]}]}]
+               {"title": "linear", "x": "angle", "y": "error", "series": [{"name": "a", "points": [[-1, 0], [1, 3]]}]},
+               {"title": "Glossy Cornell box, 8192 rays a record", "x": "rays", "y": "relative RMS error", "series": [
+                {"name": "Radiance caching of Krivanek, harmonics of order 10", "points": [[1024, 2e-5], [9000, 6e-4]]},
+                {"name": "Path tracing", "points": [[1024, 1e-4]]}]}]
   })");
 }
 
@@ -130,7 +133,8 @@ TEST_F(ReportCommand, ShowsTextsTablesAndPlots) {
   EXPECT_THAT(page, AllOf(HasSubstr("\u2717 no"), HasSubstr("\u2713 yes"), HasSubstr("\u2265 0.7"),
                           HasSubstr("&gt; 0"), HasSubstr("12\u202f345\u202f678"), HasSubstr("\u22120.250"),
                           HasSubstr("1/2")));
-  EXPECT_EQ(count(page, "<svg "), 2u);
+  EXPECT_EQ(count(page, "<svg "), 3u);
+  EXPECT_EQ(count(page, "<h3>Convergence</h3>"), 1u);
   EXPECT_THAT(page, AllOf(HasSubstr("box &amp; co"), HasSubstr(">linear</text>"), HasSubstr("-0.5")));
 }
 

@@ -55,6 +55,22 @@ const testLines = [];
   await pause(600);
   check('the page is no wider than the window', document.documentElement.scrollWidth <= innerWidth,
         `${document.documentElement.scrollWidth} > ${innerWidth}`);
+  const plots = [...document.querySelectorAll('.plot svg')];
+  check('the plots have series', plots.length === 3 && plots.every((svg) => svg.querySelector('polyline')));
+  for (const svg of plots) {
+    const frame = svg.getBoundingClientRect();
+    const texts = [...svg.querySelectorAll('text')].map((node) => ({node, box: node.getBoundingClientRect()}));
+    const title = texts[0].node.textContent;
+    const names = (list) => list.map(({node}) => node.textContent).join(', ');
+    const cut = texts.filter(({box}) => box.left < frame.left || box.right > frame.right || box.bottom > frame.bottom);
+    check(`no text of the plot ${title} is cut off`, cut.length === 0, names(cut));
+    const covered = texts.filter(({box}, i) => texts.some(
+        (other, k) => k < i && box.left < other.box.right && other.box.left < box.right &&
+            box.top < other.box.bottom && other.box.top < box.bottom));
+    check(`no text of the plot ${title} covers another`, covered.length === 0, names(covered));
+    const small = texts.filter(({node}) => node.getAttribute('font-size') * frame.width / svg.viewBox.baseVal.width < 9.5);
+    check(`all texts of the plot ${title} can be read`, small.length === 0, names(small));
+  }
   check('controls have names', [...document.querySelectorAll('button, input, select, canvas.picture, [role=slider]')]
       .every((node) => node.textContent.trim() || node.labels?.length || node.getAttribute('aria-label')));
 
