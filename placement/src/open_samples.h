@@ -18,9 +18,12 @@ struct OpenSample {
 };
 
 /// Samples of a tile's pixels that no region reaches, widened kWideSupport times; at most one for each square
-/// of 2 x 2 pixels, and none whose key is among those `tried`.
-[[nodiscard]] std::vector<OpenSample> find_open_samples(
-    const Scene& scene, const FilmSampler& film, const RadianceCache& cache, const std::vector<Pixel>& pixels,
-    bool supersample_edges, const std::unordered_set<std::uint64_t>& tried, RayCounts& counts);
+/// of `block_size` pixels a side, and none whose key is among those `tried`.
+[[nodiscard]] std::vector<OpenSample> find_open_samples(const Scene& scene, const FilmSampler& film,
+                                                        const RadianceCache& cache,
+                                                        const std::vector<Pixel>& pixels,
+                                                        bool supersample_edges, int block_size,
+                                                        const std::unordered_set<std::uint64_t>& tried,
+                                                        RayCounts& counts);
 
 }  // namespace vrc

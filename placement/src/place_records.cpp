@@ -24,9 +24,10 @@ constexpr int kLog2PilotRays = 10;
 // guided rays, which converge faster than their batches, show about twice the deviation there is.
 constexpr double kNoiseShare = 1.0, kGuidedNoiseShare = 2.0;
 constexpr double kNoiseLimit = 2.5;  // times the noise share
-// Passes over the samples that the points miss: a block of pixels gets at most one record in each. Line by
-// line a tile does.
-constexpr int kSampleRounds = 8, kSampleRoundsByLine = 24;
+// Passes over the samples that the points miss: a block of pixels gets at most one record in each, line by
+// line a tile. Blocks become smaller, since one record may show many others.
+constexpr int kSampleRounds = 11, kSampleRoundsByLine = 24;
+constexpr int kSmallestBlock = 2;
 constexpr int kCountRounds = 80;  // steps of the search for a wanted number of records
 constexpr int kWidenSteps = 6;
 // The number of records grows about as epsilon^-kCountPower; less where most lie at edges of any radii.
@@ -356,13 +357,12 @@ class RecordPlacer::Placement {
     double power = kCountPower;
     double looked = static_cast<double>(wanted) / (3.0 * kGrowthToLookAgain);  // the records there were then
     const auto count = [&] { return static_cast<double>(std::max<std::size_t>(result_.records.size(), 1)); };
-    const auto is_enough = [&] { return static_cast<double>(wanted) < kCountTolerance * count(); };
     for (int step = 0; step < kCountRounds && !result_.unfinished; ++step) {
-      if (count() >= kGrowthToLookAgain * looked || is_enough()) {
+      if (static_cast<double>(wanted) < kCountTolerance * count()) break;
+      if (count() >= kGrowthToLookAgain * looked) {
         cover_samples();
         looked = count();
       }
-      if (is_enough()) break;
       // Approach from below, since records are kept.
       const double before = count();
       covering = epsilon;
@@ -371,7 +371,10 @@ class RecordPlacer::Placement {
       power = std::clamp(std::log(count() / before) / std::log(covering / epsilon), kLeastCountPower,
                          kCountPower);
     }
-    if (!result_.unfinished && !all_covered()) widen(epsilon, covering);
+    if (!result_.unfinished && !all_covered()) {
+      widen(epsilon, covering);
+    }
+    if (!result_.unfinished) cover_samples();
   }
 
   /// Bisects for the smallest threshold between two at which the records cover all points.
@@ -407,7 +410,8 @@ class RecordPlacer::Placement {
       std::vector<RayCounts> counts(tiles.size());
       parallel_for(tiles.size(), [&](std::size_t i) {
         open[i] = find_open_samples(scene_, *view_.film, cache, pixels_of(layout, tiles[i]),
-                                    options_.supersample_edges, tried, counts[i]);
+                                    options_.supersample_edges, std::max(kTileSize >> round, kSmallestBlock),
+                                    tried, counts[i]);
       });
       std::vector<RecordSite> sites;
       std::vector<std::uint32_t> turns;

@@ -118,6 +118,13 @@ TEST(PlaceRecords, MakesTheWantedNumberOfRecords) {
   }
 }
 
+TEST(PlaceRecords, MakesNoMoreForFewerThanCoverThePicture) {
+  const Picture picture("cornell_glossy.xml", 128);
+  const auto made = [&](int wanted) { return picture.place(cheap(wanted)).records.size(); };
+  const std::size_t enough = made(200);
+  for (const int wanted : {20, 60, 120}) EXPECT_LE(made(wanted), enough) << wanted;
+}
+
 TEST(PlaceRecords, GivesRecordsTheWantedRaysOnAverage) {
   const Picture picture("half_box.xml", 64);
   CacheOptions options = cheap(300);
