@@ -339,8 +339,11 @@ class RecordPlacer::Placement {
       make_at(chosen, factory_);
       for (const std::uint32_t i : chosen) points_.take(i);
       shape_and_cover(first);
-      control_.report({"place records", chooser.progress(), result_.records.size(),
-                       result_.counts.gather + result_.counts.shadow});
+      const double progress =
+          options_.records > 0 ? std::min(1.0, static_cast<double>(result_.records.size()) / options_.records)
+                               : chooser.progress();
+      control_.report(
+          {"place records", progress, result_.records.size(), result_.counts.gather + result_.counts.shadow});
     }
   }
 
