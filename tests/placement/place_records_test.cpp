@@ -203,10 +203,11 @@ std::vector<double> neighbour_distances(std::span<const RadianceRecord> records)
 TEST(PlaceRecords, SurfaceSamplerKeepsNeighboursApartInTheirOwnMetric) {
   const Picture picture("glossy_pair.xml", 128);
   // A record's radii must not depend on which others there are: no guides; and without silhouettes, whose
-  // few rays here make them vary.
+  // few rays here make them vary; and they must be larger than a pixel.
   const auto distances = [&](Sampler sampler) {
     CacheOptions options = cheap(0, sampler);
     options.occlusion_aware = options.guided = false;
+    options.error = 0.043;
     return neighbour_distances(picture.place(options).records);
   };
   const std::vector<double> image = distances(Sampler::kImage), surface = distances(Sampler::kSurface);
