@@ -91,21 +91,22 @@ class HarmonicsGatherer::Moments {
 IncidentHarmonics::IncidentHarmonics(const Coefficients& coefficients)
     : count_(static_cast<int>(coefficients.cols())) {
   constexpr float kMost = std::numeric_limits<std::int16_t>::max();
-  rows_.resize(3 * static_cast<std::size_t>((count_ + kLanes - 1) / kLanes), {});
+  rounded_.resize(place(3 * kEntries, 0));
   for (int entry = 0; entry < 3 * kEntries; ++entry) {
     const float largest = count_ > 0 ? coefficients.row(entry).cwiseAbs().maxCoeff() : 0.0f;
     if (!(largest > 0.0f)) continue;
     scale_[static_cast<std::size_t>(entry)] = largest / kMost;
     for (int j = 0; j < count_; ++j) {
-      rows_[place(entry, j)][static_cast<std::size_t>(entry % kEntries)][j % kLanes] =
+      rounded_[place(entry, j)] =
           static_cast<std::int16_t>(std::lround(coefficients(entry, j) / largest * kMost));
     }
   }
 }
 
 std::size_t IncidentHarmonics::place(int entry, int j) const {
-  return static_cast<std::size_t>(entry / kEntries) * (rows_.size() / 3) +
-         static_cast<std::size_t>(j / kLanes);
+  const int packets = (count_ + kLanes - 1) / kLanes;
+  const int packet = (entry / kEntries * packets + j / kLanes) * kEntries + entry % kEntries;
+  return static_cast<std::size_t>(packet * kLanes + j % kLanes);
 }
 
 IncidentHarmonics::Coefficients IncidentHarmonics::coefficients() const {
@@ -113,21 +114,25 @@ IncidentHarmonics::Coefficients IncidentHarmonics::coefficients() const {
   for (int entry = 0; entry < 3 * kEntries; ++entry) {
     for (int j = 0; j < count_; ++j)
       result(entry, j) =
-          scale_[static_cast<std::size_t>(entry)] *
-          static_cast<float>(rows_[place(entry, j)][static_cast<std::size_t>(entry % kEntries)][j % kLanes]);
+          scale_[static_cast<std::size_t>(entry)] * static_cast<float>(rounded_[place(entry, j)]);
   }
   return result;
 }
 
 Eigen::Matrix<float, IncidentHarmonics::kEntries, 1> IncidentHarmonics::weighted(int c,
                                                                                  const float* weights) const {
-  const std::size_t rows = rows_.size() / 3;
-  const std::array<Row, kEntries>* row = rows_.data() + static_cast<std::size_t>(c) * rows;
+  using Rounded16 = std::int16_t __attribute__((vector_size(2 * kLanes)));
   F16 sum[kEntries] = {};
-  for (int j = 0; j < count_; j += kLanes, ++row) {
+  const std::int16_t* rounded = rounded_.data() + place(kEntries * c, 0);
+  for (int j = 0; j < count_; j += kLanes) {
     F16 w{};
     std::memcpy(&w, weights + j, sizeof(float) * static_cast<std::size_t>(std::min(kLanes, count_ - j)));
-    for (std::size_t k = 0; k < kEntries; ++k) sum[k] += w * __builtin_convertvector((*row)[k], F16);
+    for (F16& s : sum) {
+      Rounded16 r;
+      std::memcpy(&r, rounded, sizeof(r));
+      s += w * __builtin_convertvector(r, F16);
+      rounded += kLanes;
+    }
   }
   Eigen::Matrix<float, kEntries, 1> result;
   for (int k = 0; k < kEntries; ++k)

@@ -375,9 +375,7 @@ class RecordPlacer::Placement {
       power = std::clamp(std::log(count() / before) / std::log(covering / epsilon), kLeastCountPower,
                          kCountPower);
     }
-    if (!result_.unfinished && !all_covered()) {
-      widen(epsilon, covering);
-    }
+    if (!result_.unfinished && !all_covered()) widen(epsilon, covering);
     if (!result_.unfinished) cover_samples();
   }
 

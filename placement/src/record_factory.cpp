@@ -71,10 +71,19 @@ Jet2 sum_over_coefficients(const Eigen::MatrixXd& jets) {
   return sum;
 }
 
+/// Incident radiance with what the weights reflect of it.
+std::shared_ptr<RecordHarmonics> with_radiance(IncidentHarmonics incident, const Eigen::MatrixXf& weights) {
+  auto result = std::make_shared<RecordHarmonics>();
+  result->incident = std::move(incident);
+  result->radiance = outgoing_radiance(result->incident, weights);
+  result->luminance = luminance(result->radiance);
+  return result;
+}
+
 /// Entries of channel c: coefficients x entries.
-Eigen::MatrixXf channel(const IncidentHarmonics& incident, int c) {
+Eigen::MatrixXf channel(const IncidentHarmonics::Coefficients& incident, int c) {
   constexpr int kEntries = IncidentHarmonics::kEntries;
-  return incident.coefficients().middleRows(kEntries * c, kEntries).transpose();
+  return incident.middleRows(kEntries * c, kEntries).transpose();
 }
 
 /// Towards one camera the lobe matters most; for all of them light that arrives steeply does.
@@ -115,17 +124,18 @@ RadianceEstimate pooled(const RadianceEstimate& a, double rays_of_a, const Radia
 }
 
 /// Luminance of incident radiance in all directions.
-Jet2 all_incident(const IncidentHarmonics& incident) {
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(incident.count(), IncidentHarmonics::kEntries);
+Jet2 all_incident(const IncidentHarmonics::Coefficients& incident) {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(incident.cols(), IncidentHarmonics::kEntries);
   for (int c = 0; c < 3; ++c) sum += kLuminance[c] * channel(incident, c).cast<double>();
   return sum_over_coefficients(sum);
 }
 
 /// Luminance of outgoing radiance in all directions, the normal staying as it is.
-Jet2 all_outgoing(const IncidentHarmonics& incident, const BrdfHarmonics& brdf, const Frame& frame) {
+Jet2 all_outgoing(const IncidentHarmonics::Coefficients& incident, const BrdfHarmonics& brdf,
+                  const Frame& frame) {
   const Frame to_surface = sh::transposed(frame);
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(incident.count(), IncidentHarmonics::kEntries);
-  Eigen::MatrixXf local(incident.count(), IncidentHarmonics::kEntries);
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(incident.cols(), IncidentHarmonics::kEntries);
+  Eigen::MatrixXf local(incident.cols(), IncidentHarmonics::kEntries);
   for (int c = 0; c < 3; ++c) {
     brdf.rotator().rotate(to_surface, channel(incident, c), local);
     sum += kLuminance[c] * (brdf.matrix(c) * local).cast<double>();
@@ -259,7 +269,7 @@ std::shared_ptr<const RecordHarmonics> RecordFactory::gather_harmonics(const Rec
     const IrradianceEstimate irradiance =
         gather_irradiance(charts_.scene(), site, options, options_.irradiance_derivatives, counts);
     hits = irradiance.hits;
-    return with_radiance(site, as_harmonics(irradiance, site.point.normal));
+    return with_radiance(as_harmonics(irradiance, site.point.normal), weights_at(site));
   }
   options.directions = directions_for(options_);
   // As many as guided rays suffice for are too few, and guided by the lobe they lose what other normals see.
@@ -267,14 +277,16 @@ std::shared_ptr<const RecordHarmonics> RecordFactory::gather_harmonics(const Rec
       options_.gather_rays == 0)
     options.log2_rays = std::min(options.log2_rays + 1, kMostLog2Rays);
   HarmonicsGatherer::NoiseSums noise;
-  const auto result = with_radiance(site, gatherers_[static_cast<std::size_t>(site.point.material)]->gather(
-                                              charts_.scene(), site, options, counts, hits, &noise));
-  result->variance = reflected_variance(noise, weights_at(site));
+  const HarmonicsGatherer& gatherer = *gatherers_[static_cast<std::size_t>(site.point.material)];
+  const Eigen::MatrixXf weights = weights_at(site);
+  const auto result =
+      with_radiance(gatherer.gather(charts_.scene(), site, options, counts, hits, &noise), weights);
+  result->variance = reflected_variance(noise, weights);
   if (options_.strategy == Strategy::kViewIndependent)
-    result->all_directions = all_incident(result->incident);
+    result->all_directions = all_incident(result->incident.coefficients());
   if (options_.strategy == Strategy::kViewIndependentOutgoing) {
     const BrdfHarmonics& brdf = brdfs_->of(static_cast<std::size_t>(site.point.material));
-    result->all_directions = all_outgoing(result->incident, brdf, site.frame);
+    result->all_directions = all_outgoing(result->incident.coefficients(), brdf, site.frame);
   }
   return result;
 }
@@ -284,15 +296,6 @@ Eigen::MatrixXf RecordFactory::weights_at(const RecordSite& site) const {
   Eigen::MatrixXf weights(brdf.count(), 3);
   brdf.response(site.point.normal, site.to_camera.normalized(), weights);
   return weights;
-}
-
-std::shared_ptr<RecordHarmonics> RecordFactory::with_radiance(const RecordSite& site,
-                                                              IncidentHarmonics incident) const {
-  auto result = std::make_shared<RecordHarmonics>();
-  result->incident = std::move(incident);
-  result->radiance = outgoing_radiance(result->incident, weights_at(site));
-  result->luminance = luminance(result->radiance);
-  return result;
 }
 
 bool RecordFactory::resolves_lobes_at(const RecordSite& site) const {

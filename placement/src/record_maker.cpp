@@ -30,7 +30,7 @@ std::optional<SurfacePoint> moved_out_of_crease(const Scene& scene, const Record
   if (hit.hit[0] == 0) return std::nullopt;
   const auto triangle = static_cast<std::uint32_t>(hit.triangle[0]);
   if (scene.triangles()[triangle].region != site.point.region) return std::nullopt;
-  SurfacePoint moved = scene.surface_point(triangle, hit.u[0], hit.v[0], scene.camera().origin);
+  const SurfacePoint moved = scene.surface_point(triangle, hit.u[0], hit.v[0], scene.camera().origin);
   if (moved.normal.dot(site.point.normal) < std::cos(kHarmonicsTurn)) return std::nullopt;
   return moved;
 }

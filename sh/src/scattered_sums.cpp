@@ -61,9 +61,9 @@ std::vector<double> spline_coefficients(const std::vector<double>& values) {
   return result;
 }
 
-/// Adds to `sums` the products of rows of a table with a column of `count` values.
+/// sums[row * stride] become the products of the table's rows with a column of `count` values.
 template <int kRows>
-void add_products(const float* table, const Values* column, int count, Values* sums) {
+void multiply_rows(const float* table, const Values* column, int count, Values* sums, std::ptrdiff_t stride) {
   F16 sum[kRows][2] = {};
   for (int k = 0; k < count; ++k) {
     const auto& [first, second] = column[k];
@@ -74,26 +74,19 @@ void add_products(const float* table, const Values* column, int count, Values* s
       sum[row][1] += factor * second;
     }
   }
-  for (int row = 0; row < kRows; ++row) {
-    sums[row][0] += sum[row][0];
-    sums[row][1] += sum[row][1];
-  }
+  for (int row = 0; row < kRows; ++row) sums[row * stride] = {sum[row][0], sum[row][1]};
 }
 
-/// sums[row * stride] are the products of the table's row.
+/// The same for any number of rows.
 void multiply(const float* table, int rows, const Values* column, int count, Values* sums,
               std::ptrdiff_t stride) {
-  for (int row = 0; row < rows;) {
-    Values tile[8] = {};
-    const int size = rows - row >= 8 ? 8 : rows - row >= 4 ? 4 : 1;
-    const float* const first = table + static_cast<std::ptrdiff_t>(row) * count;
-    if (size == 8)
-      add_products<8>(first, column, count, tile);
-    else if (size == 4)
-      add_products<4>(first, column, count, tile);
-    else
-      add_products<1>(first, column, count, tile);
-    for (int i = 0; i < size; ++i, ++row) sums[row * stride] = tile[i];
+  while (rows > 0) {
+    const int size = rows >= 8 ? 8 : rows >= 4 ? 4 : 1;
+    const auto multiply_some = size == 8 ? multiply_rows<8> : size == 4 ? multiply_rows<4> : multiply_rows<1>;
+    multiply_some(table, column, count, sums, stride);
+    rows -= size;
+    table += static_cast<std::ptrdiff_t>(size) * count;
+    sums += size * stride;
   }
 }
 

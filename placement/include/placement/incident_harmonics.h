@@ -34,14 +34,12 @@ class IncidentHarmonics {
   [[nodiscard]] Eigen::Matrix<float, kEntries, 1> weighted(int c, const float* weights) const;
 
  private:
-  using Row = std::int16_t __attribute__((vector_size(2 * kLanes)));
-
-  /// In `rows_`, of coefficient j of the entry's channel.
+  /// In `rounded_`, of coefficient j of an entry: sixteen of one entry of a channel, then of its next one.
   [[nodiscard]] std::size_t place(int entry, int j) const;
 
   int count_ = 0;
   std::array<float, 3 * kEntries> scale_{};
-  std::vector<std::array<Row, kEntries>> rows_;  ///< Of sixteen coefficients; channel after channel.
+  std::vector<std::int16_t> rounded_;
 };
 
 /// Projects gathers onto spherical harmonics of one order. Const and thread-safe.

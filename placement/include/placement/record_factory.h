@@ -53,9 +53,6 @@ class RecordFactory {
                                                                         const GatherOptions& gather,
                                                                         RayCounts& counts,
                                                                         HitDistances& hits) const;
-  /// The record's harmonics from those of incident radiance: what they reflect to the camera.
-  [[nodiscard]] std::shared_ptr<RecordHarmonics> with_radiance(const RecordSite& site,
-                                                               IncidentHarmonics incident) const;
   /// What the BRDF at the site weighs harmonics by, towards the camera: coefficients x channels.
   [[nodiscard]] Eigen::MatrixXf weights_at(const RecordSite& site) const;
   [[nodiscard]] bool resolves_lobes_at(const RecordSite& site) const;
