@@ -100,17 +100,6 @@ class DescriptionHash {
   std::uint64_t value_ = kReferenceFormat;
 };
 
-/// The chosen pixels in one row.
-Image selected(const Image& image, const PixelMask& mask) {
-  Image result(static_cast<int>(std::ranges::count(mask, true)), 1, image.channels);
-  auto out = result.pixels.begin();
-  const std::size_t channels = image.channels.size();
-  for (std::size_t p = 0; p < image.pixel_count(); ++p) {
-    if (mask[p]) out = std::copy_n(image.pixels.data() + p * channels, channels, out);
-  }
-  return result;
-}
-
 Image reference_half(const Scene& scene, const fs::path& file, const PictureSettings& settings,
                      std::uint64_t seed) {
   if (fs::exists(file)) return read_image(file);
@@ -204,8 +193,10 @@ double References::error_of(const Image& image) const {
 }
 
 double References::error_of(const Image& image, const PixelMask& mask) const {
-  return two_half_relmse(selected(scaled(rgb_of(image), scale), mask), selected(halves[0], mask),
-                         selected(halves[1], mask));
+  const Image map = two_half_error_map(scaled(rgb_of(image), scale), halves[0], halves[1]);
+  double sum = 0.0;
+  for (std::size_t p = 0; p < mask.size(); ++p) sum += mask[p] ? map.pixels[p] : 0.0f;
+  return sum / static_cast<double>(std::ranges::count(mask, true));
 }
 
 References make_references(const Scene& scene, const SceneDescription& description, const std::string& file,

@@ -99,6 +99,33 @@ TEST(ImageError, TwoHalvesCancelTheNoiseOfTheReference) {
               0.05 * expected);
 }
 
+TEST(ImageError, TwoHalvesCancelSkewedNoiseToo) {
+  // One value in eight is bright: most pixels of both halves are too dark, where R1 + R2 is small as well.
+  const auto sparkling = [](std::uint64_t seed) {
+    test::SeededBits bits(seed);
+    Image image = filled(256, 256, 0.1f);
+    for (float& v : image.pixels) v += bits.uniform() < 0.125 ? 0.8f : 0.0f;
+    return image;
+  };
+  const Image truth = filled(256, 256, 0.2f), first = sparkling(15), second = sparkling(16);
+  const double noise = compare_rgb(truth, first).relmse;
+  EXPECT_NEAR(two_half_relmse(truth, first, second), 0.0, 0.02 * noise);
+}
+
+TEST(ImageError, TwoHalfMapDividesByTheSquareOfTheNeighbours) {
+  Image first = filled(3, 3, 0.3f);
+  first.pixel(1, 1)[0] = first.pixel(1, 1)[1] = first.pixel(1, 1)[2] = 5.0f;
+  first.pixel(0, 0)[1] = kNan;
+  const Image image = filled(3, 3, 0.5f), second = filled(3, 3, 0.3f);
+  const Image map = two_half_error_map(image, first, second);
+  EXPECT_THAT(map.channels, testing::ElementsAre("error"));
+  EXPECT_NEAR(map.pixel(1, 1)[0], (0.5 - 5.0) * (0.5 - 0.3) / (0.09 + 0.01), 1e-5);
+  EXPECT_TRUE(std::isnan(map.pixel(0, 0)[0]));
+  const double corner = (2 * 0.3 + 2.65) / 3.0;
+  EXPECT_NEAR(map.pixel(2, 2)[0], 0.04 / (corner * corner + 0.01), 1e-6);
+  EXPECT_NEAR(two_half_relmse(filled(1, 1, 0.5f), filled(1, 1, 0.3f), filled(1, 1, 0.3f)), 0.04 / 0.1, 1e-6);
+}
+
 TEST(ImageError, MapIsTheRootOfThePixelsRelativeError) {
   Image image = filled(2, 1, 0.5f);
   const Image reference = filled(2, 1, 0.3f);

@@ -28,10 +28,16 @@ struct ImageError {
 /// Throws InputError when a channel is missing or the sizes differ.
 [[nodiscard]] ImageError compare_rgb(const Image& image, const Image& reference, std::string_view layer = {});
 
-/// mean (I - R1)(I - R2) / (R^2 + 0.01) with R = (R1 + R2) / 2, for two references of independent
-/// noise: it cancels in the product, so the result may be slightly negative. What remains through R in
-/// the denominator is small when the noise is small against R. Same channels and errors as
-/// `compare_rgb`; values that are not finite are left out.
+/// (I - R1)(I - R2) / (N^2 + 0.01) over the three channels, pixel by pixel, for two references of independent
+/// noise: an image with the one channel "error", slightly negative where only noise is left. N is the mean of
+/// (R1 + R2) / 2 over the up to eight pixels around (the pixel's own where there are none), whose noise is
+/// independent of the pixel's. The pixel's own mean would not do: where both halves are too dark the product
+/// is positive and the denominator small, which does not cancel when noise is skewed, as that of rare bright
+/// paths is. Same channels and errors as `compare_rgb`; pixels that are not finite become NaN.
+[[nodiscard]] Image two_half_error_map(const Image& image, const Image& first_half, const Image& second_half,
+                                       std::string_view layer = {});
+
+/// Mean of `two_half_error_map` over the pixels that are finite.
 [[nodiscard]] double two_half_relmse(const Image& image, const Image& first_half, const Image& second_half,
                                      std::string_view layer = {});
 
