@@ -129,10 +129,11 @@ class RecordPlacer::Placement {
     return charts;
   }
 
-  /// The threshold of eq. 4 at which records and hard pixels together gave 0.6 to 0.8 times a relative error
+  /// The threshold of eq. 4 at which records and hard pixels together gave 0.6 to 0.9 times a relative error
   /// in measurements (docs/decisions/011).
   static double threshold(double error) {
-    return std::min(0.06 * error * error, 32.0 * error * error * error * error);
+    const double squared = error * error;
+    return squared * std::min(0.06, std::max(32.0 * squared, 0.0128));
   }
 
   /// `turns` of the records, which count without an overture.
