@@ -100,8 +100,8 @@ class DescriptionHash {
   std::uint64_t value_ = kReferenceFormat;
 };
 
-Image reference_half(const Scene& scene, const fs::path& file, const PictureSettings& settings,
-                     std::uint64_t seed) {
+Image reference_of_seed(const Scene& scene, const fs::path& file, const PictureSettings& settings,
+                        std::uint64_t seed) {
   if (fs::exists(file)) return read_image(file);
   fmt::print(stderr, "rendering the reference {}\n", file.string());
   RenderOptions options = indirect_light(Method::kPath, settings.reference_samples, seed);
@@ -123,7 +123,7 @@ void declare_picture_options(CLI::App& app, PictureSettings& settings) {
   add("--width", settings.width, "Film width");
   add("--height", settings.height, "Film height");
   add("--spp", settings.samples_per_pixel, "Samples a pixel of the cache's picture");
-  add("--reference-spp", settings.reference_samples, "Camera samples a pixel of each of the two references");
+  add("--reference-spp", settings.reference_samples, "Camera samples a pixel of each of the three references");
   app.add_option("--reference-rays", settings.reference_rays,
                  "Guided rays a pixel of each reference; 0: a path from each camera sample")
       ->check(CLI::NonNegativeNumber)
@@ -189,13 +189,13 @@ EstimateQuality References::estimate_of(const Image& image) const {
 }
 
 double References::error_of(const Image& image) const {
-  return two_half_relmse(scaled(rgb_of(image), scale), halves[0], halves[1]);
+  return error_of(image, PixelMask(image.pixel_count(), true));
 }
 
 double References::error_of(const Image& image, const PixelMask& mask) const {
-  const Image map = two_half_error_map(scaled(rgb_of(image), scale), halves[0], halves[1]);
+  const Image map = two_half_error_map(scaled(rgb_of(image), scale), halves[0], halves[1], third);
   double sum = 0.0;
-  for (std::size_t p = 0; p < mask.size(); ++p) sum += mask[p] ? map.pixels[p] : 0.0f;
+  for (std::size_t p = 0; p < mask.size(); ++p) sum += mask[p] ? static_cast<double>(map.pixels[p]) : 0.0;
   return sum / static_cast<double>(std::ranges::count(mask, true));
 }
 
@@ -204,20 +204,23 @@ References make_references(const Scene& scene, const SceneDescription& descripti
   fs::create_directories(settings.reference_dir);
   References references;
   double mean = 0.0;
-  for (std::size_t half = 0; half < 2; ++half) {
+  std::size_t number = 0;
+  for (Image* image : {&references.halves[0], &references.halves[1], &references.third}) {
     DescriptionHash key(description);
     key.add_number(settings.reference_samples);
     key.add_number(settings.reference_rays);
     const std::string name = fmt::format(
         "{}_{}x{}_{}spp_{}rays_{:016x}_{}.exr", fs::path(file).stem().string(), settings.width,
-        settings.height, settings.reference_samples, settings.reference_rays, key.value(), half + 1);
-    references.halves[half] =
-        reference_half(scene, fs::path(settings.reference_dir) / name, settings, kFirstReferenceSeed + half);
-    mean += 0.5 * mean_luminance(references.halves[half]);
+        settings.height, settings.reference_samples, settings.reference_rays, key.value(), number + 1);
+    *image = reference_of_seed(scene, fs::path(settings.reference_dir) / name, settings,
+                               kFirstReferenceSeed + number);
+    mean += mean_luminance(*image) / 3.0;
+    ++number;
   }
   if (!(mean > 0.0)) throw InputError(description.source, 0, "has no indirect light to compare");
   references.scale = static_cast<float>(kReferenceLuminance / mean);
-  for (Image& image : references.halves) image = scaled(std::move(image), references.scale);
+  for (Image* image : {&references.halves[0], &references.halves[1], &references.third})
+    *image = scaled(std::move(*image), references.scale);
   return references;
 }
 

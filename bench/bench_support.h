@@ -24,7 +24,8 @@ struct PictureSettings {
   std::vector<std::string> defines;  ///< NAME=VALUE
   int width = 512, height = 512;
   int samples_per_pixel = 16;
-  /// Camera samples of a pixel of each of the two references, and the guided rays that they share; 0: paths.
+  /// Camera samples of a pixel of each of the three references, and the guided rays that they share; 0:
+  /// paths.
   int reference_samples = 128;
   int reference_rays = 2048;
   std::string reference_dir = VRC_SOURCE_DIR "/build/references";
@@ -48,10 +49,11 @@ struct EstimateQuality {
   double measurable = 0.0;  ///< Share of all blocks that these are.
 };
 
-/// Two references of independent noise, scaled to a mean luminance of one half.
+/// References of independent noise, scaled to a mean luminance of one half.
 struct References {
   std::array<Image, 2> halves;
-  float scale = 1.0f;  ///< That the halves were multiplied by, and pictures must be.
+  Image third;         ///< That errors are relative to.
+  float scale = 1.0f;  ///< That the references were multiplied by, and pictures must be.
 
   [[nodiscard]] double error_of(const Image& image) const;
   [[nodiscard]] double error_of(const Image& image, const PixelMask& mask) const;

@@ -24,8 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFooter = R"(
 relMSE is the mean over pixels and channels of (A - B)^2 / (B^2 + 0.01). With --second-half it is that of
-(A - R1)(A - R2) / (N^2 + 0.01): the noise of two independent references cancels, since N, the mean of R1 and R2
-over the eight pixels around, knows nothing of the pixel's own.
+(A - R1)(A - R2) / (R^2 + 0.01), R = (R1 + R2) / 2: two independent references, whose noise cancels.
 SSIM is the mean structural similarity of the pictures as a screen shows them (--exposure, --tonemap); percentiles
 are those of the pixels' relative errors, the root of the mean over R, G, B.
 The heat map runs from dark violet (relative error 0.001 and below) to yellow (1 and above) in steps of

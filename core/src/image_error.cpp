@@ -23,21 +23,6 @@ double mean_or_zero(double sum, std::size_t count) {
 
 constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
 
-/// Of the finite channels R, G and B of the pixels around one, which counts only where it has none around.
-Rgb mean_around(const Image& image, int x, int y) {
-  Rgb sum = Rgb::Zero(), count = Rgb::Zero();
-  for (int v = std::max(y - 1, 0); v <= std::min(y + 1, image.height - 1); ++v) {
-    for (int u = std::max(x - 1, 0); u <= std::min(x + 1, image.width - 1); ++u) {
-      if (u == x && v == y) continue;
-      const Eigen::Map<const Rgb> neighbour(image.pixel(u, v));
-      const auto finite = neighbour.isFinite();
-      sum += finite.select(neighbour, 0.0f);
-      count += finite.cast<float>();
-    }
-  }
-  return (count > 0.0f).select(sum / count.max(1.0f), Eigen::Map<const Rgb>(image.pixel(x, y)));
-}
-
 }  // namespace
 
 ImageError compare_rgb(const Image& image, const Image& reference, std::string_view layer) {
@@ -70,41 +55,40 @@ ImageError compare_rgb(const Image& image, const Image& reference, std::string_v
   return result;
 }
 
-Image two_half_error_map(const Image& image, const Image& first_half, const Image& second_half,
-                         std::string_view layer) {
+double two_half_relmse(const Image& image, const Image& first_half, const Image& second_half,
+                       std::string_view layer) {
   require_same_size(image, first_half);
   require_same_size(image, second_half);
   const RgbView values(image, layer);
   const RgbView first(first_half, layer);
   const RgbView second(second_half, layer);
-  const Image reference = mean_rgb(first_half, second_half, layer);
-  Image map(image.width, image.height, {"error"});
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      const auto p =
-          static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x);
-      const Rgb around = mean_around(reference, x, y);
-      double sum = 0.0;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double product = (values(p, c) - first(p, c)) * (values(p, c) - second(p, c));
-        sum += relative_squared(product, around[c]);
-      }
-      map.pixels[p] = std::isfinite(sum) ? static_cast<float>(sum / 3.0) : kNotANumber;
-    }
-  }
-  return map;
-}
-
-double two_half_relmse(const Image& image, const Image& first_half, const Image& second_half,
-                       std::string_view layer) {
   double sum = 0.0;
   std::size_t count = 0;
-  for (const float e : two_half_error_map(image, first_half, second_half, layer).pixels) {
-    if (!std::isfinite(e)) continue;
-    sum += e;
-    ++count;
+  for (std::size_t p = 0; p < image.pixel_count(); ++p) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double a = values(p, c), r1 = first(p, c), r2 = second(p, c);
+      if (!std::isfinite(a) || !std::isfinite(r1) || !std::isfinite(r2)) continue;
+      sum += relative_squared((a - r1) * (a - r2), 0.5 * (r1 + r2));
+      ++count;
+    }
   }
   return mean_or_zero(sum, count);
+}
+
+Image two_half_error_map(const Image& image, const Image& first_half, const Image& second_half,
+                         const Image& reference) {
+  for (const Image* other : {&first_half, &second_half, &reference}) require_same_size(image, *other);
+  const RgbView values(image, {}), first(first_half, {}), second(second_half, {}), expected(reference, {});
+  Image map(image.width, image.height, {"error"});
+  for (std::size_t p = 0; p < image.pixel_count(); ++p) {
+    double sum = 0.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double product = (values(p, c) - first(p, c)) * (values(p, c) - second(p, c));
+      sum += relative_squared(product, expected(p, c));
+    }
+    map.pixels[p] = std::isfinite(sum) ? static_cast<float>(sum / 3.0) : kNotANumber;
+  }
+  return map;
 }
 
 Image relative_error_map(const Image& image, const Image& reference, std::string_view layer) {

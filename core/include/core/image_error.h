@@ -28,18 +28,18 @@ struct ImageError {
 /// Throws InputError when a channel is missing or the sizes differ.
 [[nodiscard]] ImageError compare_rgb(const Image& image, const Image& reference, std::string_view layer = {});
 
-/// (I - R1)(I - R2) / (N^2 + 0.01) over the three channels, pixel by pixel, for two references of independent
-/// noise: an image with the one channel "error", slightly negative where only noise is left. N is the mean of
-/// (R1 + R2) / 2 over the up to eight pixels around (the pixel's own where there are none), whose noise is
-/// independent of the pixel's. The pixel's own mean would not do: where both halves are too dark the product
-/// is positive and the denominator small, which does not cancel when noise is skewed, as that of rare bright
-/// paths is. Same channels and errors as `compare_rgb`; pixels that are not finite become NaN.
-[[nodiscard]] Image two_half_error_map(const Image& image, const Image& first_half, const Image& second_half,
-                                       std::string_view layer = {});
-
-/// Mean of `two_half_error_map` over the pixels that are finite.
+/// mean (I - R1)(I - R2) / (R^2 + 0.01) with R = (R1 + R2) / 2, for two references of independent
+/// noise: it cancels in the product, so the result may be slightly negative. Skewed noise does not cancel
+/// quite: where both are too dark the product is positive and R small. Same channels and errors as
+/// `compare_rgb`; values that are not finite are left out.
 [[nodiscard]] double two_half_relmse(const Image& image, const Image& first_half, const Image& second_half,
                                      std::string_view layer = {});
+
+/// (I - R1)(I - R2) / (R^2 + 0.01) over the channels R, G, B, pixel by pixel: an image with the one channel
+/// "error". With an R of noise independent of the two halves' the noise of all cancels on average, however
+/// skewed it is, up to a factor near one. Pixels that are not finite become NaN.
+[[nodiscard]] Image two_half_error_map(const Image& image, const Image& first_half, const Image& second_half,
+                                       const Image& reference);
 
 /// Square root of the mean of (I - R)^2 / (R^2 + 0.01) over the three channels, pixel by pixel: an
 /// image with the one channel "error". A pixel that is not finite in either image becomes NaN.
