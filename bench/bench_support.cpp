@@ -123,7 +123,8 @@ void declare_picture_options(CLI::App& app, PictureSettings& settings) {
   add("--width", settings.width, "Film width");
   add("--height", settings.height, "Film height");
   add("--spp", settings.samples_per_pixel, "Samples a pixel of the cache's picture");
-  add("--reference-spp", settings.reference_samples, "Camera samples a pixel of each of the three references");
+  add("--reference-spp", settings.reference_samples,
+      "Camera samples a pixel of each of the three references");
   app.add_option("--reference-rays", settings.reference_rays,
                  "Guided rays a pixel of each reference; 0: a path from each camera sample")
       ->check(CLI::NonNegativeNumber)
@@ -168,7 +169,7 @@ EstimateQuality References::estimate_of(const Image& image) const {
     const auto luminance_of = [&](const Image& rgb) {
       return luminance(Eigen::Map<const Rgb>(&rgb.pixels[3 * p]));
     };
-    const float a = luminance_of(halves[0]), b = luminance_of(halves[1]), v = luminance_of(values);
+    const float a = luminance_of(images[0]), b = luminance_of(images[1]), v = luminance_of(values);
     const float estimate = scale * image.pixels[p * image.channels.size() + channel];
     squares.pixels[3 * p] = (v - a) * (v - b);
     squares.pixels[3 * p + 1] = estimate * estimate;
@@ -193,7 +194,7 @@ double References::error_of(const Image& image) const {
 }
 
 double References::error_of(const Image& image, const PixelMask& mask) const {
-  const Image map = two_half_error_map(scaled(rgb_of(image), scale), halves[0], halves[1], third);
+  const Image map = two_half_error_map(scaled(rgb_of(image), scale), images[0], images[1], images[2]);
   double sum = 0.0;
   for (std::size_t p = 0; p < mask.size(); ++p) sum += mask[p] ? static_cast<double>(map.pixels[p]) : 0.0;
   return sum / static_cast<double>(std::ranges::count(mask, true));
@@ -202,25 +203,23 @@ double References::error_of(const Image& image, const PixelMask& mask) const {
 References make_references(const Scene& scene, const SceneDescription& description, const std::string& file,
                            const PictureSettings& settings) {
   fs::create_directories(settings.reference_dir);
+  DescriptionHash key(description);
+  key.add_number(settings.reference_samples);
+  key.add_number(settings.reference_rays);
+  const std::string name =
+      fmt::format("{}_{}x{}_{}spp_{}rays_{:016x}", fs::path(file).stem().string(), settings.width,
+                  settings.height, settings.reference_samples, settings.reference_rays, key.value());
   References references;
   double mean = 0.0;
-  std::size_t number = 0;
-  for (Image* image : {&references.halves[0], &references.halves[1], &references.third}) {
-    DescriptionHash key(description);
-    key.add_number(settings.reference_samples);
-    key.add_number(settings.reference_rays);
-    const std::string name = fmt::format(
-        "{}_{}x{}_{}spp_{}rays_{:016x}_{}.exr", fs::path(file).stem().string(), settings.width,
-        settings.height, settings.reference_samples, settings.reference_rays, key.value(), number + 1);
-    *image = reference_of_seed(scene, fs::path(settings.reference_dir) / name, settings,
-                               kFirstReferenceSeed + number);
-    mean += mean_luminance(*image) / 3.0;
-    ++number;
+  for (std::size_t i = 0; i < references.images.size(); ++i) {
+    references.images[i] =
+        reference_of_seed(scene, fs::path(settings.reference_dir) / fmt::format("{}_{}.exr", name, i + 1),
+                          settings, kFirstReferenceSeed + i);
+    mean += mean_luminance(references.images[i]) / static_cast<double>(references.images.size());
   }
   if (!(mean > 0.0)) throw InputError(description.source, 0, "has no indirect light to compare");
   references.scale = static_cast<float>(kReferenceLuminance / mean);
-  for (Image* image : {&references.halves[0], &references.halves[1], &references.third})
-    *image = scaled(std::move(*image), references.scale);
+  for (Image& image : references.images) image = scaled(std::move(image), references.scale);
   return references;
 }
 

@@ -49,10 +49,10 @@ struct EstimateQuality {
   double measurable = 0.0;  ///< Share of all blocks that these are.
 };
 
-/// References of independent noise, scaled to a mean luminance of one half.
+/// References of independent noise, scaled to a mean luminance of one half: errors are products of the
+/// differences to the first two, relative to the third.
 struct References {
-  std::array<Image, 2> halves;
-  Image third;         ///< That errors are relative to.
+  std::array<Image, 3> images;
   float scale = 1.0f;  ///< That the references were multiplied by, and pictures must be.
 
   [[nodiscard]] double error_of(const Image& image) const;

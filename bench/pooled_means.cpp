@@ -61,7 +61,7 @@ void test_scene(const std::string& file, const Settings& settings) {
   const Scene scene(description);
   const References references = make_references(scene, description, file, settings);
   const Pooled expected = pool(
-      {block_means(references.halves[0], settings.block), block_means(references.halves[1], settings.block)});
+      {block_means(references.images[0], settings.block), block_means(references.images[1], settings.block)});
   const std::size_t tests = expected.mean.size();
   const double degrees = settings.repeats - 1.0;
   const double bound = sidak_bound(tests, degrees);

@@ -13,6 +13,8 @@
 namespace vrc {
 namespace {
 
+constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
+
 double relative_squared(double error_product, double reference) {
   return error_product / (reference * reference + kRelativeErrorOffset);
 }
@@ -20,8 +22,6 @@ double relative_squared(double error_product, double reference) {
 double mean_or_zero(double sum, std::size_t count) {
   return count == 0 ? 0.0 : sum / static_cast<double>(count);
 }
-
-constexpr float kNotANumber = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace
 

@@ -106,11 +106,9 @@ std::vector<HardPixels::Sampled> HardPixels::candidates(const TileLayout& layout
     }
   }
   if (options_.seconds > 0.0) {
-    // What an edge hides is unknown before it is gathered: all of them come before the pixels that are not
-    // hard.
     std::ranges::stable_sort(result, std::greater(), [&](const Sampled& s) {
       const PixelFacts& facts = facts_[index_of(s.pixel)];
-      return std::max(relative_error_of(facts), facts.sees_edge ? accepted() : 0.0f);
+      return std::pair(is_hard(facts), relative_error_of(facts));
     });
   }
   return result;
