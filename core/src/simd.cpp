@@ -58,4 +58,23 @@ SinCos16 sincos_2pi(F16 u) {
   return {select(negate_sin, -a, a), select(negate_cos, -b, b)};
 }
 
+F16 turns(F16 x, F16 y) {
+  const F16 ax = max(x, -x), ay = max(y, -y);
+  const F16 z = min(ax, ay) / max(max(ax, ay), 1e-37f);
+  // atan(z) / (2 pi) on [0, 1]: odd polynomial, fitted for the least absolute error.
+  const F16 z2 = z * z;
+  F16 series = splat(1.0841215e-3f);
+  series = series * z2 - 5.3482484e-3f;
+  series = series * z2 + 1.2672464e-2f;
+  series = series * z2 - 2.1061497e-2f;
+  series = series * z2 + 3.1525113e-2f;
+  series = series * z2 - 5.3026237e-2f;
+  series = series * z2 + 1.5915433e-1f;
+  F16 turn = z * series;
+  turn = select(ay > ax, 0.25f - turn, turn);
+  turn = select(x < 0.0f, 0.5f - turn, turn);
+  turn = select(y < 0.0f, 1.0f - turn, turn);
+  return select(turn < 1.0f, turn, F16{});
+}
+
 }  // namespace vrc

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "placement/gather.h"
 
-#include <optional>
-
 #include "gather_rays.h"
 #include "silhouettes.h"
 
@@ -18,9 +16,11 @@ double batch_variance(F16 v, double rays) {
   return sum * scale * scale / (kLanes * (kLanes - 1.0));
 }
 
-/// Adds the squares of a packet's contributions, the warp's density taken out, to their cells' sums.
-void note(const GatherPacket16& packet, F16 contribution, GuideHistogram& found) {
-  const F16 square = contribution * contribution * packet.warp_density;
+/// Adds the squares of the luminance that arrives along a packet's rays, over their density, to their
+/// cells' sums.
+void note(const GatherPacket16& packet, GuideHistogram& found) {
+  const F16 arriving = select(packet.inverse_density > 0.0f, luminance(packet.incident.value), F16{});
+  const F16 square = arriving * arriving / packet.warp_density;
   for (int lane = 0; lane < kLanes; ++lane)
     found.mean_square[static_cast<std::size_t>(packet.cell[lane])] += square[lane];
 }
@@ -79,17 +79,13 @@ Mat2 followed_shape_operator(const RecordSite& site, const GatherOptions& option
 
 RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site, const GatherOptions& options,
                                  RayCounts& counts, const Guidance& guidance) {
-  std::optional<GuideWarp> warp;
-  if (guidance.guide != nullptr)
-    warp.emplace(guide_warp(*guidance.guide, scene.bsdfs()[static_cast<std::size_t>(site.point.material)]));
-  GatherRays rays(scene, site, options, counts, warp ? &*warp : nullptr);
+  GatherRays rays(scene, site, options, counts, guidance.warp);
   RgbJet16 sum;
   if (guidance.found != nullptr) *guidance.found = {};
   const auto add_packet = [&](const GatherPacket16& packet) {
     const Directions16 d = rays.directions_at_record(packet);
     // G without the cosine at x, which `shape_jet` holds: s / |r|^4.
     const UnitJet16 geometry = packet.facing * pow(packet.moving.jet_rr, -2.0f);
-    const V3x16 before = sum.value;
     for (const Lobe& lobe : rays.bsdf().lobes) {
       std::visit(
           [&](const auto& l) {
@@ -98,9 +94,9 @@ RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site, con
           },
           lobe);
     }
-    if (guidance.found != nullptr) note(packet, luminance(sum.value - before), *guidance.found);
+    if (guidance.found != nullptr) note(packet, *guidance.found);
   };
-  if (options.occlusion_aware && !warp) {
+  if (options.occlusion_aware && guidance.warp == nullptr) {
     HitGrid hits((options.log2_rays + 1) / 2, options.log2_rays / 2);
     rays.for_each_packet(add_packet,
                          [&](F16 u1, F16 u2, const GatherPacket16& packet) { hits.store(u1, u2, packet); });

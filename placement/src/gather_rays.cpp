@@ -25,32 +25,6 @@ float longest_edge(const SceneTriangle& triangle) {
   return std::max({e1.norm(), e2.norm(), (e2 - e1).norm()});
 }
 
-std::vector<GatherStrategy> make_strategies(const Bsdf& bsdf, GatherDirections directions) {
-  using Kind = GatherStrategy::Kind;
-  if (directions == GatherDirections::kUniform) return {{Kind::kUniform}};
-  if (directions == GatherDirections::kCosine) return {{}};
-  std::vector<const Lobe*> glossy;
-  bool diffuse = false;
-  for (const Lobe& lobe : bsdf.lobes) {
-    if (std::holds_alternative<LambertLobe>(lobe))
-      diffuse = true;
-    else
-      glossy.push_back(&lobe);
-  }
-  if (glossy.empty()) return {{}};
-  const int count = std::min<int>(static_cast<int>(glossy.size()), 4);
-  const int glossy_eighths = std::max(diffuse ? 2 : 4, count);
-  std::vector<GatherStrategy> result = {
-      {Kind::kCosine, nullptr, 0.0f, static_cast<float>(8 - glossy_eighths) / 8.0f}};
-  for (int i = 0; i < count; ++i) {
-    const float begin = result.back().end;
-    const int share = (glossy_eighths * (i + 1)) / count - (glossy_eighths * i) / count;
-    result.push_back(
-        {Kind::kLobe, glossy[static_cast<std::size_t>(i)], begin, begin + static_cast<float>(share) / 8.0f});
-  }
-  return result;
-}
-
 UnitJet16 masked(I16 mask, const UnitJet16& j) {
   const F16 zero{};
   return {select(mask, j.g1, zero), select(mask, j.g2, zero), select(mask, j.h11, zero),
@@ -59,20 +33,13 @@ UnitJet16 masked(I16 mask, const UnitJet16& j) {
 
 }  // namespace
 
-GuideWarp guide_warp(const GuideHistogram& guide, const Bsdf& bsdf) {
-  std::vector<int> first_columns;
-  for (const GatherStrategy& s : make_strategies(bsdf, GatherDirections::kMixture))
-    first_columns.push_back(static_cast<int>(s.begin * GuideHistogram::kColumns));
-  return {guide, first_columns};
-}
-
 GatherRays::GatherRays(const Scene& scene, const RecordSite& site, const GatherOptions& options,
                        RayCounts& counts, const GuideWarp* warp)
     : scene_(scene),
       options_(options),
       counts_(counts),
-      bsdf_(scene.bsdfs()[static_cast<std::size_t>(site.point.material)]),
-      strategies_(make_strategies(bsdf_, options.directions)),
+      square_(scene.bsdfs()[static_cast<std::size_t>(site.point.material)], options.directions,
+              site.frame.normal, site.to_camera.normalized()),
       warp_(warp),
       sobol_seed_(hash(options.seed, site.key)) {
   frame_.x = site.point.position.cast<float>();
@@ -87,7 +54,6 @@ GatherRays::GatherRays(const Scene& scene, const RecordSite& site, const GatherO
   region_ = own.region;
   normal_ = splat3(frame_.normal);
   geometric_normal_ = splat3(site.point.geometric_normal);
-  to_camera_ = splat3(Vec3(site.to_camera.normalized()));
   // Off the surface and towards the camera: in a crease the second keeps the origin in the open.
   const Vec3 lift =
       scene.radius() * (1e-5 * site.point.geometric_normal + 2e-5 * site.to_camera.normalized());
@@ -104,8 +70,8 @@ F16 GatherRays::choose_direction(F16 u1, F16 u2, GatherPacket16& packet) const {
     packet.warp_density = warped.density;
   }
   packet.cell = guide_cells(u1, u2);
-  packet.direction = sample_direction(u1, u2);
-  return mixture_pdf(directions_at_record(packet)) * packet.warp_density;
+  packet.direction = square_.direction(u1, u2);
+  return square_.pdf(directions_at_record(packet)) * packet.warp_density;
 }
 
 bool GatherRays::trace(F16 density, F16 u1, F16 u2, std::uint32_t first_index, GatherPacket16& packet) {
@@ -138,47 +104,6 @@ bool GatherRays::trace(F16 density, F16 u1, F16 u2, std::uint32_t first_index, G
 
 V3x16 GatherRays::to_frame(const V3x16& v) const {
   return {dot(v, splat3(frame_.tangent)), dot(v, splat3(frame_.bitangent)), dot(v, normal_)};
-}
-
-/// Most packets lie in the columns of one strategy.
-V3x16 GatherRays::sample_direction(F16 u1, F16 u2) const {
-  V3x16 result{};
-  for (const GatherStrategy& s : strategies_) {
-    const I16 own = (u1 >= s.begin) & (u1 < s.end);
-    if (any(own)) result = select(own, sample_direction(s, u1, u2), result);
-  }
-  return result;
-}
-
-V3x16 GatherRays::sample_direction(const GatherStrategy& s, F16 u1, F16 u2) const {
-  const F16 stretched = min(max((u1 - s.begin) * (1.0f / (s.end - s.begin)), 0.0f), 0x1.fffffep-1f);
-  switch (s.kind) {
-    case GatherStrategy::Kind::kCosine:
-      return sample(LambertLobe{}, normal_, to_camera_, stretched, u2);
-    case GatherStrategy::Kind::kUniform:
-      return around_axis(normal_, 1.0f - stretched, u2);
-    case GatherStrategy::Kind::kLobe:
-      break;
-  }
-  return std::visit([&](const auto& l) { return sample(l, normal_, to_camera_, stretched, u2); }, *s.lobe);
-}
-
-F16 GatherRays::strategy_pdf(const GatherStrategy& strategy, const Directions16& d) const {
-  switch (strategy.kind) {
-    case GatherStrategy::Kind::kCosine:
-      return pdf(LambertLobe{}, d);
-    case GatherStrategy::Kind::kUniform:
-      return splat(static_cast<float>(0.5 / kPi));
-    case GatherStrategy::Kind::kLobe:
-      break;
-  }
-  return std::visit([&](const auto& l) { return pdf(l, d); }, *strategy.lobe);
-}
-
-F16 GatherRays::mixture_pdf(const Directions16& d) const {
-  F16 sum{};
-  for (const GatherStrategy& s : strategies_) sum += (s.end - s.begin) * strategy_pdf(s, d);
-  return sum;
 }
 
 /// In a sphere a chord of length t makes the angle asin(kappa t / 2) with the surface at both its ends: the

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <limits>
-#include <vector>
 
 #include "core/sobol.h"
 #include "placement/gather.h"
 #include "placement/guide.h"
+#include "sampling_square.h"
 #include "transport/lobe_jets.h"
 
 namespace vrc {
@@ -58,23 +58,10 @@ struct GatherPacket16 {
   RgbJet16 incident;  ///< Radiance that the hit sends back, derivatives divided by nothing.
 };
 
-/// How the columns of the sample grid are shared out, in eighths: rays by the cosine or uniform ones
-/// first, then the glossy lobes. Cosine rays carry the diffuse part, lobe rays the highlights; all see
-/// everything.
-struct GatherStrategy {
-  enum class Kind { kCosine, kUniform, kLobe };
-  Kind kind = Kind::kCosine;
-  const Lobe* lobe = nullptr;
-  float begin = 0.0f, end = 1.0f;
-};
-
-/// Moves the points of gathers at a BRDF, GatherDirections::kMixture, to where a histogram says.
-[[nodiscard]] GuideWarp guide_warp(const GuideHistogram& guide, const Bsdf& bsdf);
-
 /// The rays of one record's gather.
 class GatherRays {
  public:
-  /// `warp`, unless null, is one of `guide_warp` for the site's BRDF. It must outlive the rays.
+  /// `warp`, unless null, is one for the site's BRDF. It must outlive the rays.
   GatherRays(const Scene& scene, const RecordSite& site, const GatherOptions& options, RayCounts& counts,
              const GuideWarp* warp = nullptr);
 
@@ -106,28 +93,20 @@ class GatherRays {
   /// surface that reflects: then only `distance` and `tangent_plane` are set.
   bool trace(F16 density, F16 u1, F16 u2, std::uint32_t first_index, GatherPacket16& packet);
 
-  [[nodiscard]] const Bsdf& bsdf() const { return bsdf_; }
+  [[nodiscard]] const SamplingSquare& square() const { return square_; }
+  [[nodiscard]] const Bsdf& bsdf() const { return square_.bsdf(); }
   [[nodiscard]] const RecordFrame& frame() const { return frame_; }
-  [[nodiscard]] const std::vector<GatherStrategy>& strategies() const { return strategies_; }
-  /// Density of a strategy per solid angle, not multiplied by its share.
-  [[nodiscard]] F16 strategy_pdf(const GatherStrategy& strategy, const Directions16& d) const;
   /// Rays traced.
   [[nodiscard]] double ray_count() const { return static_cast<double>(rays_); }
   /// The pair of directions at the record, of which one is incident.
-  [[nodiscard]] Directions16 directions_at_record(const V3x16& direction) const {
-    return directions(normal_, to_camera_, direction);
-  }
   [[nodiscard]] Directions16 directions_at_record(const GatherPacket16& packet) const {
-    return directions_at_record(packet.direction);
+    return square_.with_camera(packet.direction);
   }
   /// Fills in the distances of the hits.
   void describe_hits(HitDistances& hits) const;
 
  private:
   [[nodiscard]] V3x16 to_frame(const V3x16& v) const;
-  [[nodiscard]] V3x16 sample_direction(F16 u1, F16 u2) const;
-  [[nodiscard]] V3x16 sample_direction(const GatherStrategy& strategy, F16 u1, F16 u2) const;
-  [[nodiscard]] F16 mixture_pdf(const Directions16& d) const;
   /// Lanes whose hit is no wall beside the record but the hollow that it lies in (`in_hollow_`).
   [[nodiscard]] I16 in_own_hollow(const V3x16& direction, const SurfacePoint16& hit) const;
   void note_distances(const GatherPacket16& packet, const SurfacePoint16& hit);
@@ -144,11 +123,10 @@ class GatherRays {
   const Scene& scene_;
   const GatherOptions& options_;
   RayCounts& counts_;
-  const Bsdf& bsdf_;
-  std::vector<GatherStrategy> strategies_;
+  SamplingSquare square_;
   const GuideWarp* warp_;
   RecordFrame frame_;
-  V3x16 normal_, geometric_normal_, to_camera_, origin_;
+  V3x16 normal_, geometric_normal_, origin_;
   bool in_hollow_ = false;   ///< The derivatives follow a surface that is concave in all directions.
   float facet_ = 0.0f;       ///< Longest edge of the record's triangle.
   std::int32_t region_ = 0;  ///< The record's smooth region.

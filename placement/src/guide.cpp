@@ -3,6 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <list>
+#include <optional>
+
+#include "sampling_square.h"
 
 namespace vrc {
 namespace {
@@ -10,10 +14,11 @@ namespace {
 constexpr float kDefensiveShare = 0.15f;   // of the warp's density: uniform
 constexpr double kCellPixels = 12.0;       // of the lookup grid
 constexpr int kRings = 2;                  // of cells around a site's: 24 pixels
-constexpr std::size_t kNeighbours = 4;     // averaged
+constexpr std::size_t kNeighbours = 8;     // averaged
 constexpr double kDistanceFalloff = 0.05;  // weight 1 / (1 + 0.05 d^2), d in pixels
-constexpr double kSimilarNormal = 0.98;    // least cosine of normals
 constexpr float kBelowOne = 0x1.fffep-1f;  // leaves room for the number of the cell
+constexpr float kUnseen = 1e-2f;           // rays per steradian, of all, that tell nothing
+constexpr float kSameCell = 0.5f;          // of a cell's extent: directions that differ by less are the same
 
 /// Weights 1 2 1 in both directions, within the columns [begin, end), rows wrapping round.
 void smooth_columns(const GuideHistogram& from, int begin, int end, GuideHistogram& to) {
@@ -34,23 +39,155 @@ void smooth_columns(const GuideHistogram& from, int begin, int end, GuideHistogr
   }
 }
 
-}  // namespace
+/// A direction's point in the columns of a strategy, and the density there of its directions.
+struct Seen16 {
+  SquarePoint16 point;
+  F16 density;
+};
 
-void GuideHistogram::add(const KeptHistogram& other, float weight) {
-  for (std::size_t i = 0; i < mean_square.size(); ++i) mean_square[i] += weight * other.mean_square(i);
+/// Where a strategy that samples by a power of the cosine to some axis sees a direction.
+struct CosinePower {
+  V3x16 axis;
+  Tangents16 frame;
+  float exponent;
+
+  CosinePower(const V3x16& a, float n) : axis(a), frame(tangents(a)), exponent(n) {}
+
+  [[nodiscard]] Seen16 operator()(const V3x16& direction) const {
+    const F16 cosine = max(dot(direction, axis), 0.0f);
+    const F16 power = exponent == 1.0f ? cosine : pow(cosine, exponent);
+    const F16 u1 = min(max(1.0f - power * cosine, 0.0f), kBelowOne);
+    return {{u1, turns(dot(direction, frame.s), dot(direction, frame.t))},
+            power * ((exponent + 1.0f) * 0.5f / kPiF)};
+  }
+};
+
+/// What gathers found by one strategy in the same directions.
+class Outlook {
+ public:
+  Outlook(const SamplingSquare& square, const GatherStrategy& strategy)
+      : square_(square), strategy_(strategy), probes_(probes(square, strategy, 0.0f)) {
+    if (strategy.kind == GatherStrategy::Kind::kCosine)
+      power_.emplace(square.normal(), 1.0f);
+    else if (const auto* phong = std::get_if<PhongLobe>(strategy.lobe))
+      power_.emplace(square.mirrored_camera(), phong->exponent);
+    const V3x16 moved = probes(square, strategy, 1.0f) - probes_;
+    tolerance_ = (kSameCell * kSameCell) * dot(moved, moved);
+    cells_.resize(static_cast<std::size_t>(end() - begin()));
+  }
+
+  /// Whether a square's cells lie where its own do, about.
+  [[nodiscard]] bool agrees(const SamplingSquare& square, const GatherStrategy& strategy) const {
+    if (strategy != strategy_) return false;
+    const V3x16 off = probes(square, strategy, 0.0f) - probes_;
+    return !any(dot(off, off) > tolerance_);
+  }
+
+  void add(const KeptHistogram& found, float weight) {
+    for (std::size_t i = 0; i < cells_.size(); ++i)
+      cells_[i] += weight * found.mean_square(static_cast<std::size_t>(begin()) + i);
+    weight_ += weight;
+  }
+
+  /// Adds n L^2 and n, n how densely the gathers looked in a direction.
+  void look(const V3x16& direction, F16& squares, F16& densities) const {
+    const Seen16 seen = look(direction);
+    const float share = strategy_.end - strategy_.begin;
+    const F16 density = select(dot(direction, square_.normal()) > 0.0f, share * seen.density, F16{});
+    if (!any(density > kUnseen)) return;
+    const I16 cell = guide_cells(strategy_.begin + share * seen.point.u1, seen.point.u2) - begin();
+    squares += density * gather(cells_.data(), cell);
+    densities += weight_ * density;
+  }
+
+ private:
+  [[nodiscard]] Seen16 look(const V3x16& direction) const {
+    if (power_) return (*power_)(direction);
+    const Directions16 d = square_.with_camera(direction);
+    return {sampled_from(std::get<GgxLobe>(*strategy_.lobe), d), square_.pdf(strategy_, d)};
+  }
+  /// Directions all over the strategy's columns, from points that are moved by some cells.
+  static V3x16 probes(const SamplingSquare& square, const GatherStrategy& s, float cells) {
+    const F16 i = to_float(lane_index());
+    const F16 u1 = s.begin + (s.end - s.begin) * (i + 0.5f) * (1.0f / kLanes);
+    const F16 u2 = 0.618034f * i + cells / GuideHistogram::kRows;
+    const float back = cells / GuideHistogram::kColumns;
+    return square.direction(max(u1 - back, s.begin), u2 - floor(u2));
+  }
+  [[nodiscard]] int begin() const { return static_cast<int>(strategy_.begin * kColumns) * kRows; }
+  [[nodiscard]] int end() const { return static_cast<int>(strategy_.end * kColumns) * kRows; }
+
+  static constexpr int kColumns = GuideHistogram::kColumns, kRows = GuideHistogram::kRows;
+  const SamplingSquare square_;
+  const GatherStrategy strategy_;
+  std::optional<CosinePower> power_;
+  V3x16 probes_;
+  F16 tolerance_;  ///< Squared, of the probes.
+  float weight_ = 0.0f;
+  std::vector<float> cells_;
+};
+
+/// What several gathers found.
+class Findings {
+ public:
+  void add(const SamplingSquare& square, const KeptHistogram& found, float weight) {
+    for (const GatherStrategy& s : square.strategies()) {
+      auto own = std::ranges::find_if(outlooks_, [&](const Outlook& o) { return o.agrees(square, s); });
+      if (own == outlooks_.end()) own = outlooks_.emplace(own, square, s);
+      own->add(found, weight);
+    }
+  }
+  [[nodiscard]] bool empty() const { return outlooks_.empty(); }
+
+  /// Mean square of the luminance that arrives.
+  [[nodiscard]] F16 mean_square(const V3x16& direction) const {
+    F16 squares{}, densities{};
+    for (const Outlook& o : outlooks_) o.look(direction, squares, densities);
+    return squares / max(densities, 1e-20f);
+  }
+
+ private:
+  std::list<Outlook> outlooks_;
+};
+
+/// What the luminance that arrives from a direction is multiplied by in a gather.
+F16 response(const SamplingSquare& square, const Directions16& d) {
+  F16 sum{};
+  for (const Lobe& lobe : square.bsdf().lobes)
+    std::visit([&](const auto& l) { sum += luminance(tint(l, d)) * shape(l, d); }, lobe);
+  return sum / max(square.pdf(d), 1e-20f);
 }
+
+/// Mean squares of what a gather's rays would contribute at the cells' centres, by what others found.
+GuideHistogram contributions(const SamplingSquare& square, const Findings& findings) {
+  constexpr int kColumns = GuideHistogram::kColumns, kRows = GuideHistogram::kRows;
+  GuideHistogram result;
+  for (int first = 0; first < GuideHistogram::kCells; first += kLanes) {
+    const F16 u1 = splat((static_cast<float>(first / kRows) + 0.5f) / kColumns);
+    const F16 u2 = (to_float(lane_index()) + (static_cast<float>(first % kRows) + 0.5f)) * (1.0f / kRows);
+    const V3x16 direction = square.direction(u1, u2);
+    const F16 factor = response(square, square.with_camera(direction));
+    const F16 value = factor * factor * findings.mean_square(direction);
+    for (int lane = 0; lane < kLanes; ++lane)
+      result.mean_square[static_cast<std::size_t>(first + lane)] = value[lane];
+  }
+  return result;
+}
+
+std::vector<int> first_columns(const SamplingSquare& square) {
+  std::vector<int> result;
+  for (const GatherStrategy& s : square.strategies())
+    result.push_back(static_cast<int>(s.begin * GuideHistogram::kColumns));
+  return result;
+}
+
+}  // namespace
 
 KeptHistogram::KeptHistogram(const GuideHistogram& histogram) {
   for (std::size_t i = 0; i < upper_bits_.size(); ++i) {
     const auto bits = std::bit_cast<std::uint32_t>(histogram.mean_square[i]);
     upper_bits_[i] = static_cast<std::uint16_t>((bits + 0x8000u) >> 16);  // to the nearest one
   }
-}
-
-GuideHistogram KeptHistogram::expanded() const {
-  GuideHistogram result;
-  result.add(*this, 1.0f);
-  return result;
 }
 
 GuideWarp::GuideWarp(const GuideHistogram& histogram, const std::vector<int>& first_columns) {
@@ -122,30 +259,22 @@ Eigen::Vector2i GuideField::cell_of(const Vec3& position) const {
           std::clamp(static_cast<int>(film.y()), 0, rows_ - 1)};
 }
 
-void GuideField::add(const RecordSite& site, std::shared_ptr<const KeptHistogram> histogram) {
+void GuideField::add(const RecordSite& site, std::shared_ptr<const KeptHistogram> found) {
   const Eigen::Vector2i cell = cell_of(site.point.position);
   cells_[static_cast<std::size_t>(cell.y() * columns_ + cell.x())].push_back(
       static_cast<std::uint32_t>(entries_.size()));
-  entries_.push_back({site.point.position, site.point.normal, site.point.material, std::move(histogram)});
+  entries_.push_back({site.point.position, site.frame.normal, site.to_camera.normalized(),
+                      site.point.material, std::move(found)});
 }
 
-std::unique_ptr<GuideHistogram> GuideField::at(const RecordSite& site) const {
-  struct Neighbour {
-    double squared_distance;  // in pixels
-    std::uint32_t entry;
-    bool operator<(const Neighbour& o) const {
-      return squared_distance != o.squared_distance ? squared_distance < o.squared_distance : entry < o.entry;
-    }
-  };
-  std::vector<Neighbour> near;
+std::vector<GuideField::Near> GuideField::nearest(const RecordSite& site) const {
+  std::vector<Near> near;
   const Eigen::Vector2i center = cell_of(site.point.position);
   const auto look = [&](int x, int y) {
     if (x < 0 || y < 0 || x >= columns_ || y >= rows_) return;
     for (const std::uint32_t i : cells_[static_cast<std::size_t>(y * columns_ + x)]) {
-      const Entry& e = entries_[i];
-      if (e.material != site.point.material || e.normal.dot(site.point.normal) < kSimilarNormal) continue;
-      const double d2 =
-          (e.position - site.point.position).squaredNorm() / (site.pixel_length * site.pixel_length);
+      const double d2 = (entries_[i].position - site.point.position).squaredNorm() /
+                        (site.pixel_length * site.pixel_length);
       const double reach = kRings * kCellPixels;
       if (d2 <= reach * reach) near.push_back({d2, i});
     }
@@ -157,15 +286,29 @@ std::unique_ptr<GuideHistogram> GuideField::at(const RecordSite& site) const {
     }
     if (near.size() >= kNeighbours) break;
   }
-  if (near.empty()) return nullptr;
   const std::size_t count = std::min(near.size(), kNeighbours);
-  std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(count), near.end());
-  auto result = std::make_unique<GuideHistogram>();
-  for (std::size_t i = 0; i < count; ++i) {
-    const double weight = 1.0 / (1.0 + kDistanceFalloff * near[i].squared_distance);
-    result->add(*entries_[near[i].entry].histogram, static_cast<float>(weight));
+  std::ranges::partial_sort(near, near.begin() + static_cast<std::ptrdiff_t>(count), {},
+                            [](const Near& n) { return std::pair(n.squared_distance, n.entry); });
+  near.resize(count);
+  return near;
+}
+
+std::unique_ptr<const GuideWarp> GuideField::warp_at(const RecordSite& site, const KeptHistogram* own) const {
+  const auto square_of = [&](std::int32_t material, const Vec3& normal, const Vec3& to_camera) {
+    return SamplingSquare(scene_.bsdfs()[static_cast<std::size_t>(material)], GatherDirections::kMixture,
+                          normal, to_camera);
+  };
+  const SamplingSquare square =
+      square_of(site.point.material, site.frame.normal, site.to_camera.normalized());
+  Findings findings;
+  for (const Near& near : nearest(site)) {
+    const Entry& e = entries_[near.entry];
+    findings.add(square_of(e.material, e.normal, e.to_camera), *e.found,
+                 static_cast<float>(1.0 / (1.0 + kDistanceFalloff * near.squared_distance)));
   }
-  return result;
+  if (own != nullptr) findings.add(square, *own, 1.0f);
+  if (findings.empty()) return nullptr;
+  return std::make_unique<const GuideWarp>(contributions(square, findings), first_columns(square));
 }
 
 }  // namespace vrc

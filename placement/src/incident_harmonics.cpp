@@ -121,16 +121,13 @@ IncidentHarmonics::Coefficients IncidentHarmonics::coefficients() const {
 
 Eigen::Matrix<float, IncidentHarmonics::kEntries, 1> IncidentHarmonics::weighted(int c,
                                                                                  const float* weights) const {
-  using Rounded16 = std::int16_t __attribute__((vector_size(2 * kLanes)));
   F16 sum[kEntries] = {};
   const std::int16_t* rounded = rounded_.data() + place(kEntries * c, 0);
   for (int j = 0; j < count_; j += kLanes) {
     F16 w{};
     std::memcpy(&w, weights + j, sizeof(float) * static_cast<std::size_t>(std::min(kLanes, count_ - j)));
     for (F16& s : sum) {
-      Rounded16 r;
-      std::memcpy(&r, rounded, sizeof(r));
-      s += w * __builtin_convertvector(r, F16);
+      s += w * load_shorts(rounded);
       rounded += kLanes;
     }
   }

@@ -26,39 +26,61 @@ std::uint64_t key_of(const SurfacePoint16& p, int lane) {
               std::bit_cast<std::uint32_t>(float{p.v[lane]}));
 }
 
-void add_open_samples(const TileRecords& records, const std::unordered_set<std::uint64_t>& tried,
-                      TakenBlocks& blocks, std::vector<OpenSample>& result) {
+/// Lanes of a packet of the records' tile that no region reaches.
+I16 open_lanes(const TileRecords& records, std::size_t packet) {
+  I16 open = records.tile().points[packet].scatters;
+  if (!any(open)) return open;
+  records.for_each_while(packet, static_cast<float>(kWideSupport),
+                         [&](const PackedRecord&, const Coverage16& c) {
+                           open &= ~(c.weight > 0.0f);
+                           return any(open);
+                         });
+  return open;
+}
+
+/// Appends the packets that have open lanes, which alone scatter then.
+void add_open(const TileRecords& records, Tile& result) {
   const Tile& tile = records.tile();
   for (std::size_t i = 0; i < tile.points.size(); ++i) {
-    const SurfacePoint16& p = tile.points[i];
-    I16 open = p.scatters;
-    if (any(open)) {
-      records.for_each(i, static_cast<float>(kWideSupport),
-                       [&](const PackedRecord&, const Coverage16& c) { open &= ~(c.weight > 0.0f); });
-    }
+    const I16 open = open_lanes(records, i);
     if (!any(open)) continue;
-    const Pixel& pixel = tile.pixels[i / static_cast<std::size_t>(tile.packets_per_pixel)];
-    bool& taken = blocks.at(pixel);
-    for (int lane = 0; lane < kLanes && !taken; ++lane) {
-      if (open[lane] == 0 || tried.contains(key_of(p, lane))) continue;
-      taken = true;
-      result.push_back({static_cast<std::uint32_t>(p.triangle[lane]), p.u[lane], p.v[lane], key_of(p, lane),
-                        turn_of(pixel.x, pixel.y)});
-    }
+    result.pixels.push_back(tile.pixels[i / static_cast<std::size_t>(tile.packets_per_pixel)]);
+    result.points.push_back(tile.points[i]);
+    result.points.back().scatters = open;
   }
 }
 
 }  // namespace
 
-std::vector<OpenSample> find_open_samples(const Scene& scene, const FilmSampler& film,
-                                          const RadianceCache& cache, const std::vector<Pixel>& pixels,
-                                          bool supersample_edges, int block_size,
-                                          const std::unordered_set<std::uint64_t>& tried, RayCounts& counts) {
+Tile find_open_samples(const Scene& scene, const FilmSampler& film, const RadianceCache& cache,
+                       const std::vector<Pixel>& pixels, bool supersample_edges, RayCounts& counts) {
+  Tile result;
+  for_each_traced(scene, film, pixels, supersample_edges, counts,
+                  [&](const Tile& tile) { add_open(TileRecords(cache, tile), result); });
+  return result;
+}
+
+Tile still_open(const RadianceCache& cache, const Tile& open) {
+  Tile result;
+  add_open(TileRecords(cache, open), result);
+  return result;
+}
+
+std::vector<OpenSample> choose_open_samples(const Tile& open, const Pixel& first, int block_size,
+                                            const std::unordered_set<std::uint64_t>& tried) {
+  TakenBlocks blocks = {block_size, first};
   std::vector<OpenSample> result;
-  TakenBlocks blocks = {block_size, pixels.front()};
-  for_each_traced(scene, film, pixels, supersample_edges, counts, [&](const Tile& tile) {
-    add_open_samples(TileRecords(cache, tile), tried, blocks, result);
-  });
+  for (std::size_t i = 0; i < open.points.size(); ++i) {
+    const SurfacePoint16& p = open.points[i];
+    const Pixel& pixel = open.pixels[i];
+    bool& taken = blocks.at(pixel);
+    for (int lane = 0; lane < kLanes && !taken; ++lane) {
+      if (p.scatters[lane] == 0 || tried.contains(key_of(p, lane))) continue;
+      taken = true;
+      result.push_back({static_cast<std::uint32_t>(p.triangle[lane]), p.u[lane], p.v[lane], key_of(p, lane),
+                        turn_of(pixel.x, pixel.y)});
+    }
+  }
   return result;
 }
 

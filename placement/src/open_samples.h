@@ -17,13 +17,19 @@ struct OpenSample {
   std::uint32_t turn;  ///< Of its pixel.
 };
 
-/// Samples of a tile's pixels that no region reaches, widened kWideSupport times; at most one for each square
-/// of `block_size` pixels a side, and none whose key is among those `tried`.
-[[nodiscard]] std::vector<OpenSample> find_open_samples(const Scene& scene, const FilmSampler& film,
-                                                        const RadianceCache& cache,
-                                                        const std::vector<Pixel>& pixels,
-                                                        bool supersample_edges, int block_size,
-                                                        const std::unordered_set<std::uint64_t>& tried,
-                                                        RayCounts& counts);
+/// Packets of the camera samples of pixels, one for each entry of `pixels`, with lanes that no region
+/// reaches, widened kWideSupport times; only these scatter.
+[[nodiscard]] Tile find_open_samples(const Scene& scene, const FilmSampler& film, const RadianceCache& cache,
+                                     const std::vector<Pixel>& pixels, bool supersample_edges,
+                                     RayCounts& counts);
+
+/// Those of them that no region reaches of a cache with more records.
+[[nodiscard]] Tile still_open(const RadianceCache& cache, const Tile& open);
+
+/// At most one of a tile's open samples, whose pixels begin with `first`, for each square of `block_size`
+/// pixels a side, and none whose key is among those `tried`.
+[[nodiscard]] std::vector<OpenSample> choose_open_samples(const Tile& open, const Pixel& first,
+                                                          int block_size,
+                                                          const std::unordered_set<std::uint64_t>& tried);
 
 }  // namespace vrc

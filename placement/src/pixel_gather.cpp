@@ -8,8 +8,8 @@
 namespace vrc {
 namespace {
 
-constexpr double kSimilarNormal = 0.95;                 // least cosine of normals that share a guide
-constexpr double kSharedPixels = 4.0;                   // greatest distance over which it is shared
+constexpr double kSimilarNormal = 0.99;                 // least cosine of normals that share a guide
+constexpr double kSharedPixels = 8.0;                   // greatest distance over which it is shared
 constexpr int kLatticeStep = 12;                        // pixels between guides where there are no records
 constexpr int kLog2FirstRays = 12, kLog2MoreRays = 11;  // of the coarser lattice, and of those that it guides
 
@@ -60,9 +60,9 @@ GuideField guides_of_view(const Scene& scene, const PlacementView& view, int bou
     std::vector<std::shared_ptr<const KeptHistogram>> found(sites.size());
     std::vector<RayCounts> rays(sites.size());
     parallel_for(sites.size(), [&](std::size_t i) {
-      const std::unique_ptr<GuideHistogram> guide = guides.at(sites[i]);
+      const std::unique_ptr<const GuideWarp> warp = guides.warp_at(sites[i]);
       GuideHistogram own;
-      static_cast<void>(gather_radiance(scene, sites[i], options, rays[i], {guide.get(), &own}));
+      static_cast<void>(gather_radiance(scene, sites[i], options, rays[i], {warp.get(), &own}));
       found[i] = std::make_shared<const KeptHistogram>(own);
     });
     for (std::size_t i = 0; i < sites.size(); ++i) {
@@ -82,12 +82,7 @@ const GuideWarp* PixelGatherer::warp_for(const RecordSite& site, Surfaces& surfa
         (kind.position - p.position).norm() <= kSharedPixels * site.pixel_length)
       return kind.warp.get();
   }
-  Surfaces::Kind kind{p.material, p.position, p.normal, nullptr};
-  if (const std::unique_ptr<GuideHistogram> guide = guides_.at(site)) {
-    kind.warp = std::make_unique<const GuideWarp>(
-        guide_warp(*guide, scene_.bsdfs()[static_cast<std::size_t>(p.material)]));
-  }
-  surfaces.kinds_.push_back(std::move(kind));
+  surfaces.kinds_.push_back({p.material, p.position, p.normal, guides_.warp_at(site)});
   return surfaces.kinds_.back().warp.get();
 }
 

@@ -20,10 +20,8 @@ namespace vrc {
 namespace {
 
 constexpr int kLog2PilotRays = 10;
-// Of the accepted error: a record's own noise, and that beyond which it is gathered again. The batches of
-// guided rays, which converge faster than their batches, show about twice the deviation there is.
-constexpr double kNoiseShare = 1.0, kGuidedNoiseShare = 2.0;
-constexpr double kNoiseLimit = 2.5;  // times the noise share
+constexpr double kNoiseLimit = 2.5;             // of the accepted noise: beyond it a record is gathered again
+constexpr std::size_t kFewestToLearnFrom = 64;  // records, whose noise tells how many rays others need
 // Passes over the samples that the points miss: a block of pixels gets at most one record in each, line by
 // line a tile. Blocks become smaller, since one record may show many others.
 constexpr int kSampleRounds = 11, kSampleRoundsByLine = 24;
@@ -77,11 +75,9 @@ class RecordPlacer::Placement {
     if (noise_ == 0.0 && result_.scale.log2_rays == 0) pilot();
     rule_.mean_luminance = result_.scale.mean_luminance;
     options_.error = error;
-    const double before = log2_rays_;
-    log2_rays_ = log2_rays_for_noise(error);
-    result_.scale.log2_rays = log2_rays_;
+    set_rays(error);
     if (options_.gather_rays == 0) noise_goal_ = {kNoiseLimit * accepted_noise(error), rule_.mean_luminance};
-    if (!result_.records.empty() && !earlier_) add_rays(before);
+    if (!result_.records.empty() && !earlier_) add_rays();
     if (options_.records > 0)
       reach_count();
     else
@@ -143,12 +139,13 @@ class RecordPlacer::Placement {
     std::vector<RayCounts> counts(sites.size());
     parallel_for(sites.size(), [&](std::size_t i) {
       if (!control_.stopped())
-        made[i] = factory.make(sites[i], gather_at(sites[i]), noise_goal_, counts[i], &guides_);
+        made[i] = factory.make(sites[i], gather_at(sites[i]), noise_goal_, counts[i], guides_);
     });
     if (control_.stopped()) {
       result_.unfinished = true;
       return;
     }
+    learn_noise(made);
     for (std::size_t i = 0; i < sites.size(); ++i) {
       if (made[i].found) guides_.add(made[i].site, made[i].found);
       if (!options_.overture) made[i].turn = turns[i];
@@ -218,18 +215,44 @@ class RecordPlacer::Placement {
     return options_.sends_guided_rays() ? all / 2 : 0;
   }
 
+  /// The more gathers there are to guide new ones, the fewer rays these need: their number follows the noise
+  /// of the latest records.
+  void learn_noise(std::span<const RadianceRecord> made) {
+    if (noise_ == 0.0 || options_.gather_rays > 0 || !options_.sends_guided_rays()) return;
+    for (const RadianceRecord& record : made) {
+      if (!record.found) continue;
+      const double doublings = std::log2(static_cast<double>(record.rays)) - kLog2PilotRays;
+      recent_noise_.push_back(relative_noise(record) * std::exp2(0.5 * kVarianceConvergence * doublings));
+    }
+    if (recent_noise_.size() < kFewestToLearnFrom) return;
+    noise_ = middle_of(recent_noise_);
+    recent_noise_.clear();
+    set_rays(options_.error);
+  }
+
+  void set_rays(double error) {
+    log2_rays_ = log2_rays_for_noise(error);
+    result_.scale.log2_rays = log2_rays_;
+  }
+
+  [[nodiscard]] double relative_noise(const RadianceRecord& record) const {
+    return std::sqrt(record.estimate.variance.value) /
+           perceived(record.estimate.luminance.value, rule_.mean_luminance);
+  }
+
+  static double middle_of(std::vector<double>& values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::ranges::nth_element(values, middle);
+    return *middle;
+  }
+
   /// Relative noise of a typical record of the guided pilots; 0: there is none.
   [[nodiscard]] double typical_noise() const {
     std::vector<double> noise;
     const std::size_t unguided = unguided_pilots(result_.records.size());
-    for (const RadianceRecord& record : std::span(result_.records).subspan(unguided)) {
-      noise.push_back(std::sqrt(record.estimate.variance.value) /
-                      perceived(record.estimate.luminance.value, rule_.mean_luminance));
-    }
-    if (noise.empty()) return 0.0;
-    const auto middle = noise.begin() + static_cast<std::ptrdiff_t>(noise.size() / 2);
-    std::ranges::nth_element(noise, middle);
-    return *middle;
+    for (const RadianceRecord& record : std::span(result_.records).subspan(unguided))
+      noise.push_back(relative_noise(record));
+    return noise.empty() ? 0.0 : middle_of(noise);
   }
 
   /// Rays that bring a typical record's noise down to the accepted error; the joint fit and the blending of
@@ -271,27 +294,28 @@ class RecordPlacer::Placement {
         std::lround(log2_rays_for(std::log2(static_cast<double>(record.rays)), deviation, wanted)));
   }
 
-  /// Gives all records, which were made with 2^before rays, as many as new ones have, and more to those that
-  /// miss the noise goal. Those of the first round, whose rays had little to guide them, get other ones.
-  void add_rays(double before) {
+  /// Gives all records as many rays as new ones have, and more to those that miss the noise goal. Those of
+  /// the first round, whose rays had little to guide them, get other ones.
+  void add_rays() {
     if (factory_.holds_only_harmonics()) return;
     badly_guided_.resize(result_.records.size(),
                          badly_guided_.empty() && options_.sends_guided_rays() ? 1 : 0);
     std::vector<RayCounts> counts(result_.records.size());
     parallel_for(counts.size(), [&](std::size_t i) {
       RadianceRecord& record = result_.records[i];
-      const int doublings = log2_rays_at(record.site, log2_rays_) - log2_rays_at(record.site, before);
+      const auto has = static_cast<int>(std::lround(std::log2(static_cast<double>(record.rays))));
+      const int doublings = std::max(log2_rays_at(record.site, log2_rays_) - has, 0);
       const bool keep_own = badly_guided_[i] == 0;
       if (control_.stopped()) return;
       if (doublings > 0 || !keep_own) {
         const double wanted =
             static_cast<double>(record.rays) * (std::exp2(doublings) - (keep_own ? 1.0 : 0.0));
         const int log2_rays = std::min(static_cast<int>(std::lround(std::log2(wanted))), kMostLog2Rays);
-        factory_.add_rays(record, gather_, log2_rays, keep_own, counts[i]);
+        factory_.add_rays(record, gather_, log2_rays, keep_own, counts[i], guides_);
         badly_guided_[i] = 0;
       }
       if (const int more = log2_rays_against_noise(record); (std::uint64_t{1} << more) > record.rays)
-        factory_.add_rays(record, gather_, more, false, counts[i]);
+        factory_.add_rays(record, gather_, more, false, counts[i], guides_);
     });
     for (const RayCounts& c : counts) result_.counts += c;
   }
@@ -306,10 +330,10 @@ class RecordPlacer::Placement {
     result_.phases.back().cpu_seconds += time.cpu_seconds;
   }
 
-  /// With a wanted number of records the error is unknown: the default's noise is aimed at.
+  /// A record's own, relative. With a wanted number of records the error is unknown: the default's noise is
+  /// aimed at.
   [[nodiscard]] double accepted_noise(double error) const {
-    const double accepted = options_.records > 0 ? CacheOptions{}.error : error;
-    return (options_.sends_guided_rays() ? kGuidedNoiseShare : kNoiseShare) * accepted;
+    return options_.records > 0 ? CacheOptions{}.error : error;
   }
 
   /// Gives all records their regions at a threshold and marks the pixels that they cover.
@@ -403,6 +427,7 @@ class RecordPlacer::Placement {
     const TileLayout layout = {view_.x0, view_.y0, view_.x1, view_.y1};
     std::vector<std::size_t> tiles(layout.count());
     std::iota(tiles.begin(), tiles.end(), std::size_t{0});
+    std::vector<Tile> still(layout.count());
     // A record that was moved out of a crease or holds harmonics of another normal may leave its sample open.
     std::unordered_set<std::uint64_t> tried;
     const int rounds = options_.overture ? kSampleRounds : kSampleRoundsByLine;
@@ -412,9 +437,13 @@ class RecordPlacer::Placement {
       std::vector<std::vector<OpenSample>> open(tiles.size());
       std::vector<RayCounts> counts(tiles.size());
       parallel_for(tiles.size(), [&](std::size_t i) {
-        open[i] = find_open_samples(scene_, *view_.film, cache, pixels_of(layout, tiles[i]),
-                                    options_.supersample_edges, std::max(kTileSize >> round, kSmallestBlock),
-                                    tried, counts[i]);
+        const std::vector<Pixel> pixels = pixels_of(layout, tiles[i]);
+        Tile& samples = still[tiles[i]];
+        samples = round == 0 ? find_open_samples(scene_, *view_.film, cache, pixels,
+                                                 options_.supersample_edges, counts[i])
+                             : still_open(cache, samples);
+        open[i] =
+            choose_open_samples(samples, pixels.front(), std::max(kTileSize >> round, kSmallestBlock), tried);
       });
       std::vector<RecordSite> sites;
       std::vector<std::uint32_t> turns;
@@ -459,6 +488,7 @@ class RecordPlacer::Placement {
   std::unique_ptr<PointChooser> chooser_;
   GatherOptions gather_;
   GuideField guides_;
+  std::vector<double> recent_noise_;  // of records with 2^kLog2PilotRays rays
   NoiseGoal noise_goal_;
   double log2_rays_ = 0.0;                  // of records, on average
   std::vector<std::uint8_t> badly_guided_;  // records of the first round that have no others' rays yet

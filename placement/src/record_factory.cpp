@@ -181,7 +181,7 @@ RecordFactory::RecordFactory(const SceneCharts& charts, const CacheOptions& opti
 }
 
 RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& gather, const NoiseGoal& goal,
-                                   RayCounts& counts, const GuideField* guides) const {
+                                   RayCounts& counts, const GuideField& guides) const {
   const Scene& scene = charts_.scene();
   std::shared_ptr<const RecordHarmonics> harmonics;
   std::shared_ptr<const KeptHistogram> found;
@@ -194,15 +194,11 @@ RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& 
     harmonics.reset();  // of a site that the record was moved from
     GatherOptions options = options_for(log2_rays);
     if (!options_.sends_guided_rays()) return gather_radiance(scene, s, options, counts);
-    std::unique_ptr<GuideHistogram> guide = guides != nullptr ? guides->at(s) : nullptr;
-    if (found != nullptr) {
-      // Rays that guide others must not be among them.
-      options.seed = hash(options.seed, 0x6d1du);
-      if (guide == nullptr) guide = std::make_unique<GuideHistogram>();
-      guide->add(*found, 1.0f);
-    }
+    const std::unique_ptr<const GuideWarp> warp = guides.warp_at(s, found.get());
+    // Rays that guide others must not be among them.
+    if (found != nullptr) options.seed = hash(options.seed, 0x6d1du);
     GuideHistogram own;
-    RadianceEstimate estimate = gather_radiance(scene, s, options, counts, {guide.get(), &own});
+    RadianceEstimate estimate = gather_radiance(scene, s, options, counts, {warp.get(), &own});
     found = std::make_shared<const KeptHistogram>(own);
     return estimate;
   };
@@ -237,7 +233,7 @@ RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& 
 }
 
 void RecordFactory::add_rays(RadianceRecord& record, const GatherOptions& gather, int log2_rays,
-                             bool keep_own, RayCounts& counts) const {
+                             bool keep_own, RayCounts& counts, const GuideField& guides) const {
   const std::uint64_t rays = std::uint64_t{1} << log2_rays;
   const std::uint64_t own_rays = keep_own ? record.rays : 0;
   if (options_.representation == Representation::kHybrid) record.harmonics.reset();
@@ -248,9 +244,9 @@ void RecordFactory::add_rays(RadianceRecord& record, const GatherOptions& gather
   options.seed = hash(gather.seed, 0xadd5u, own_rays);
   RadianceEstimate more;
   if (options_.sends_guided_rays() && record.found) {
-    const GuideHistogram guide = record.found->expanded();
+    const std::unique_ptr<const GuideWarp> warp = guides.warp_at(record.site, record.found.get());
     GuideHistogram own;
-    more = gather_radiance(charts_.scene(), record.site, options, counts, {&guide, &own});
+    more = gather_radiance(charts_.scene(), record.site, options, counts, {warp.get(), &own});
     record.found = std::make_shared<const KeptHistogram>(own);
   } else {
     more = gather_radiance(charts_.scene(), record.site, options, counts);

@@ -200,7 +200,7 @@ class Pieces {
       for (int lane = 0; lane < kLanes; ++lane) {
         const FarCell& far = storage_.far_cells[std::min(begin + static_cast<std::size_t>(lane), count - 1)];
         const auto [from, to] =
-            strategy_columns(grid_, rays_.strategies()[static_cast<std::size_t>(far.strategy)]);
+            strategy_columns(grid_, rays_.square().strategies()[static_cast<std::size_t>(far.strategy)]);
         column[lane] = far.cell / grid_.index(1, 0);
         row[lane] = far.cell % grid_.index(1, 0);
         first[lane] = from;
@@ -302,7 +302,7 @@ class Pieces {
         gather(grid_.field(Field::kInverseDistance), near) * (1.0f / kFarthestExtrapolation);
     const F16 a = max(dot(gather3(grid_, Field::kPlaneX, near), w), nearest_a);
     const F16 b = max(dot(gather3(grid_, Field::kPlaneX, far), w), 0.0f);
-    const Directions16 d = rays_.directions_at_record(w);
+    const Directions16 d = rays_.square().with_camera(w);
     const F16 swept = (a - b) * balance_weight(strategy, d);
     // Points of the strip lie on the far surface (b - s) d from where the fixed hits are.
     const F16 lag = 0.5f * (b - a) / max(trend, kLeastTrend);
@@ -331,9 +331,9 @@ class Pieces {
   /// Of the strategies that the pieces were found by.
   [[nodiscard]] F16 balance_weight(I16 strategy, const Directions16& d) const {
     F16 own{}, all{};
-    const auto& strategies = rays_.strategies();
+    const auto& strategies = rays_.square().strategies();
     for (std::size_t s = 0; s < strategies.size(); ++s) {
-      const F16 density = (strategies[s].end - strategies[s].begin) * rays_.strategy_pdf(strategies[s], d);
+      const F16 density = (strategies[s].end - strategies[s].begin) * rays_.square().pdf(strategies[s], d);
       all += density;
       own = select(strategy == static_cast<int>(s), density, own);
     }
@@ -412,7 +412,7 @@ void HitGrid::close() {
 RgbJet16 silhouette_derivatives(const HitGrid& grid, const GatherRays& rays) {
   Pieces pieces(grid, rays);
   const int rows = grid.rows();
-  const auto& strategies = rays.strategies();
+  const auto& strategies = rays.square().strategies();
   const I16 all = splat(-1);
   for (std::size_t s = 0; s < strategies.size(); ++s) {
     const auto [first, end] = strategy_columns(grid, strategies[s]);

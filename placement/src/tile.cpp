@@ -2,6 +2,8 @@
 #include "placement/tile.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 
 namespace vrc {
@@ -70,12 +72,38 @@ TileRecords::TileRecords(const RadianceCache& cache, const Tile& tile) : cache_(
     cache.find(patch, (box.min() - slack).cast<double>(), (box.max() + slack).cast<double>(), candidates_);
   }
   std::ranges::sort(candidates_);
+  Spheres16 none;
+  none.radius = splat(-1.0f);
+  spheres_.resize((candidates_.size() + kLanes - 1) / kLanes, none);
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    const PackedRecord& record = cache.packed()[cache.footprints()[candidates_[i]].record];
+    Spheres16& s = spheres_[i / kLanes];
+    const auto lane = static_cast<int>(i % kLanes);
+    s.center.x[lane] = record.center[0];
+    s.center.y[lane] = record.center[1];
+    s.center.z[lane] = record.center[2];
+    s.radius[lane] = reach_of(record);
+  }
 }
+
+TileRecords::Sphere TileRecords::bounds(const SurfacePoint16& p) {
+  const float infinity = std::numeric_limits<float>::infinity();
+  const auto middle = [&](F16 x) {
+    const float low = lane_min(select(p.scatters, x, splat(infinity)));
+    const float high = lane_max(select(p.scatters, x, splat(-infinity)));
+    return low <= high ? 0.5f * (low + high) : 0.0f;
+  };
+  const Vec3f center(middle(p.position.x), middle(p.position.y), middle(p.position.z));
+  const V3x16 d = p.position - splat3(center);
+  return {center, std::sqrt(lane_max(select(p.scatters, dot(d, d), F16{})))};
+}
+
+/// The weight of eq. 14 is positive up to k = 1 / k_r.
+float TileRecords::reach_of(const PackedRecord& record) { return record.reach / record.cos_max_deviation; }
 
 bool TileRecords::may_reach(const PackedRecord& record, const SurfacePoint16& p, float support) {
   const V3x16 d = p.position - splat3(record.center);
-  // The weight of eq. 14 is positive up to k = 1 / k_r.
-  const float reach = record.reach * support / record.cos_max_deviation;
+  const float reach = reach_of(record) * support;
   return any((dot(d, d) < reach * reach) & p.scatters);
 }
 

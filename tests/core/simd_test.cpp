@@ -108,6 +108,24 @@ TEST(Simd, SineAndCosineAgreeWithLibm) {
   }
 }
 
+TEST(Simd, TurnsAreThoseOfSineAndCosine) {
+  Uniform16 random;
+  for (int packet = 0; packet < 1000; ++packet) {
+    const F16 u = random.next(0.0, 1.0), length = random.next(1e-3, 1e3);
+    const SinCos16 direction = sincos_2pi(u);
+    const F16 found = turns(length * direction.cos, length * direction.sin);
+    for (int i = 0; i < kLanes; ++i) {
+      const double off = static_cast<double>(found[i]) - static_cast<double>(u[i]);
+      ASSERT_LT(std::abs(off - std::round(off)), 2e-7) << u[i];
+      ASSERT_GE(found[i], 0.0f);
+      ASSERT_LT(found[i], 1.0f);
+    }
+  }
+  EXPECT_EQ(turns(F16{}, F16{})[3], 0.0f);
+  EXPECT_EQ(turns(splat(1.0f), splat(-1e-30f))[3], 0.0f);
+  EXPECT_EQ(turns(splat(-2.0f), F16{})[3], 0.5f);
+}
+
 TEST(Simd, SqrtAndFloorAreExact) {
   Uniform16 random;
   for (int packet = 0; packet < 1000; ++packet) {

@@ -36,8 +36,8 @@ TEST(RecordFactory, BoundsAllDirectionsWhereTheViewDoesNotMatter) {
     for (const Strategy strategy : {Strategy::kViewIndependent, Strategy::kViewIndependentOutgoing}) {
       const CacheOptions options = options_of(strategy, Representation::kAnalytic);
       const RecordFactory factory(charts, options);
-      const RadianceRecord a = factory.make(site, gather_options(), {}, counts);
-      const RadianceRecord b = factory.make(moved, gather_options(), {}, counts);
+      const RadianceRecord a = factory.make(site, gather_options(), {}, counts, GuideField(scene));
+      const RadianceRecord b = factory.make(moved, gather_options(), {}, counts, GuideField(scene));
       const Jet2 &all_a = a.harmonics->all_directions, &all_b = b.harmonics->all_directions;
       EXPECT_GT(all_a.value, 0.0);
       EXPECT_NEAR(all_b.value, all_a.value, 0.02 * all_a.value);
@@ -56,7 +56,7 @@ TEST(RecordFactory, SumsAbsoluteHessians) {
   const RecordFactory factory(charts, options);
   RayCounts counts;
   const RecordSite site = test::sites_at(scene, {{0.5, 0.8}}).at(0);
-  const RadianceRecord record = factory.make(site, gather_options(), {}, counts);
+  const RadianceRecord record = factory.make(site, gather_options(), {}, counts, GuideField(scene));
   double norm = 0.0, largest = 0.0;
   const auto m = record.harmonics->incident.coefficients();
   for (Eigen::Index j = 0; j < m.cols(); ++j) {
@@ -87,7 +87,7 @@ TEST(RecordFactory, GivesHarmonicsWhereTheySaveRecords) {
   ASSERT_GT(site.point.shape_operator.norm(), 0.0);
   const auto reason_at = [&](double epsilon) {
     const RecordFactory factory(charts, options);
-    RadianceRecord record = factory.make(site, gather_options(), {}, counts);
+    RadianceRecord record = factory.make(site, gather_options(), {}, counts, GuideField(scene));
     rule.epsilon = epsilon;
     factory.shape(record, rule, gather_options(), counts);
     EXPECT_EQ(record.harmonics != nullptr, record.uses_harmonics());
@@ -106,7 +106,7 @@ TEST(RecordFactory, GivesHarmonicsWhereTheySaveRecords) {
         radii_per_pixel /
         site.point.shape_operator.selfadjointView<Eigen::Lower>().eigenvalues().cwiseAbs().maxCoeff();
     const RecordFactory factory(charts, options);
-    RadianceRecord record = factory.make(far_site, gather_options(), {}, counts);
+    RadianceRecord record = factory.make(far_site, gather_options(), {}, counts, GuideField(scene));
     rule.epsilon = 1e-4;
     factory.shape(record, rule, gather_options(), counts);
     return record.harmonics_reason;
@@ -132,7 +132,7 @@ TEST(RecordFactory, GathersOnceWhereHarmonicsAreSure) {
       1.0 / site.point.shape_operator.selfadjointView<Eigen::Lower>().eigenvalues().cwiseAbs().maxCoeff();
   const RecordFactory factory(charts, options);
   RayCounts counts;
-  RadianceRecord record = factory.make(site, gather_options(), {}, counts);
+  RadianceRecord record = factory.make(site, gather_options(), {}, counts, GuideField(scene));
   EXPECT_LE(counts.gather, 1u << 13);
   const std::uint64_t made_with = counts.gather;
   factory.shape(record, rule, gather_options(), counts);
@@ -141,7 +141,7 @@ TEST(RecordFactory, GathersOnceWhereHarmonicsAreSure) {
   EXPECT_GT(record.variance(), 0.0);
   EXPECT_EQ(record.estimate.luminance.value, record.harmonics->luminance.value);
   // More rays are those of new harmonics.
-  factory.add_rays(record, gather_options(), 13, false, counts);
+  factory.add_rays(record, gather_options(), 13, false, counts, GuideField(scene));
   EXPECT_EQ(counts.gather, made_with);
   factory.shape(record, rule, gather_options(), counts);
   EXPECT_GT(counts.gather, made_with);

@@ -10,6 +10,29 @@ V3x16 mirror(const V3x16& n, const V3x16& w) { return n * (2.0f * dot(n, w)) - w
 
 F16 phong_cosine(const Directions16& d) { return 2.0f * d.cos_o * d.cos_i - dot(d.wo, d.wi); }
 
+/// The coordinate below 1 of a point of the unit square.
+F16 within_unit(F16 u) { return min(max(u, 0.0f), 0x1.fffffep-1f); }
+
+/// The projected hemisphere of visible normals seen from `stretched` [Heitz2018].
+struct VisibleDisk {
+  V3x16 t1, t2;
+  F16 blend;  ///< Of the half disk towards the viewer.
+
+  explicit VisibleDisk(const V3x16& stretched) {
+    const F16 length2 = stretched.x * stretched.x + stretched.y * stretched.y;
+    const F16 inverse = 1.0f / sqrt(max(length2, 1e-20f));
+    const I16 tilted = length2 > 1e-14f;
+    t1 = {select(tilted, -stretched.y * inverse, splat(1.0f)), select(tilted, stretched.x * inverse, F16{}),
+          F16{}};
+    t2 = cross(stretched, t1);
+    blend = 0.5f * (1.0f + stretched.z);
+  }
+};
+
+V3x16 stretched_view(const GgxLobe& lobe, const Tangents16& frame, const V3x16& n, const V3x16& wo) {
+  return normalize({lobe.alpha * dot(wo, frame.s), lobe.alpha * dot(wo, frame.t), max(dot(wo, n), 1e-6f)});
+}
+
 /// Exact reflectance of a conductor for unpolarised light, per channel.
 F16 conductor_fresnel(F16 cosine, float eta, float k) {
   const F16 cos2 = cosine * cosine;
@@ -105,24 +128,28 @@ V3x16 sample(const PhongLobe& lobe, const V3x16& n, const V3x16& wo, F16 u1, F16
 V3x16 sample(const GgxLobe& lobe, const V3x16& n, const V3x16& wo, F16 u1, F16 u2) {
   // Visible normals: stretch, sample the projected disk, unstretch [Heitz2018].
   const Tangents16 frame = tangents(n);
-  const F16 cos_o = dot(wo, n);
-  const V3x16 stretched =
-      normalize({lobe.alpha * dot(wo, frame.s), lobe.alpha * dot(wo, frame.t), max(cos_o, 1e-6f)});
-  const F16 length2 = stretched.x * stretched.x + stretched.y * stretched.y;
-  const F16 inverse = 1.0f / sqrt(max(length2, 1e-20f));
-  const I16 tilted = length2 > 1e-14f;
-  const V3x16 t1 = {select(tilted, -stretched.y * inverse, splat(1.0f)),
-                    select(tilted, stretched.x * inverse, F16{}), F16{}};
-  const V3x16 t2 = cross(stretched, t1);
+  const V3x16 stretched = stretched_view(lobe, frame, n, wo);
+  const VisibleDisk disk(stretched);
   const F16 radius = sqrt(u1);
   const SinCos16 phi = sincos_2pi(u2);
   const F16 p1 = radius * phi.cos;
-  const F16 blend_weight = 0.5f * (1.0f + stretched.z);
-  const F16 p2 = (1.0f - blend_weight) * sqrt(max(1.0f - p1 * p1, 0.0f)) + blend_weight * (radius * phi.sin);
-  const V3x16 m = t1 * p1 + t2 * p2 + stretched * sqrt(max(1.0f - p1 * p1 - p2 * p2, 0.0f));
+  const F16 p2 = (1.0f - disk.blend) * sqrt(max(1.0f - p1 * p1, 0.0f)) + disk.blend * (radius * phi.sin);
+  const V3x16 m = disk.t1 * p1 + disk.t2 * p2 + stretched * sqrt(max(1.0f - p1 * p1 - p2 * p2, 0.0f));
   const V3x16 local = normalize({lobe.alpha * m.x, lobe.alpha * m.y, max(m.z, 1e-6f)});
   const V3x16 h = frame.s * local.x + frame.t * local.y + n * local.z;
   return mirror(h, wo);
+}
+
+SquarePoint16 sampled_from(const GgxLobe& lobe, const Directions16& d) {
+  const Tangents16 frame = tangents(d.n);
+  const V3x16 stretched = stretched_view(lobe, frame, d.n, d.wo);
+  const VisibleDisk disk(stretched);
+  const V3x16 h = d.wo + d.wi;
+  const float inverse = 1.0f / lobe.alpha;
+  const V3x16 m = normalize({inverse * dot(h, frame.s), inverse * dot(h, frame.t), max(dot(h, d.n), 1e-6f)});
+  const F16 p1 = dot(m, disk.t1);
+  const F16 y = (dot(m, disk.t2) - (1.0f - disk.blend) * sqrt(max(1.0f - p1 * p1, 0.0f))) / disk.blend;
+  return {within_unit(p1 * p1 + y * y), turns(p1, y)};
 }
 
 float strength(const Lobe& lobe) {

@@ -18,16 +18,18 @@ I16 traceable(I16 active, const Ray16& ray) {
          sane(ray.direction.y) & sane(ray.direction.z) & (ray.t_max > 0.0f);
 }
 
+/// Lanes that are not to be traced hold zeros: with AVX2, Embree looks at them all the same.
 template <typename EmbreeRay>
-void store_ray(EmbreeRay& out, const Ray16& ray) {
+void store_ray(EmbreeRay& out, I16 valid, const Ray16& ray) {
   const auto put = [](float* to, F16 v) { __builtin_memcpy(to, &v, sizeof(v)); };
-  put(out.org_x, ray.origin.x);
-  put(out.org_y, ray.origin.y);
-  put(out.org_z, ray.origin.z);
-  put(out.dir_x, ray.direction.x);
-  put(out.dir_y, ray.direction.y);
-  put(out.dir_z, ray.direction.z);
-  put(out.tfar, ray.t_max);
+  const auto put_valid = [&](float* to, F16 v) { put(to, select(valid, v, F16{})); };
+  put_valid(out.org_x, ray.origin.x);
+  put_valid(out.org_y, ray.origin.y);
+  put_valid(out.org_z, ray.origin.z);
+  put_valid(out.dir_x, ray.direction.x);
+  put_valid(out.dir_y, ray.direction.y);
+  put_valid(out.dir_z, ray.direction.z);
+  put_valid(out.tfar, ray.t_max);
   put(out.tnear, F16{});
   put(out.time, F16{});
   std::fill_n(out.mask, kLanes, ~0u);
@@ -87,11 +89,11 @@ RayTracer::RayTracer(RayTracer&&) noexcept = default;
 RayTracer& RayTracer::operator=(RayTracer&&) noexcept = default;
 
 Hit16 RayTracer::intersect(I16 active, const Ray16& ray, Coherence coherence) const {
+  alignas(64) const I16 valid = traceable(active, ray);
   alignas(64) RTCRayHit16 rays;
-  store_ray(rays.ray, ray);
+  store_ray(rays.ray, valid, ray);
   std::fill_n(rays.hit.geomID, kLanes, RTC_INVALID_GEOMETRY_ID);
   std::fill_n(rays.hit.instID[0], kLanes, RTC_INVALID_GEOMETRY_ID);
-  alignas(64) const I16 valid = traceable(active, ray);
   RTCIntersectContext context = make_context(coherence);
   rtcIntersect16(reinterpret_cast<const int*>(&valid), impl_->scene, &context, &rays);
 
@@ -108,9 +110,9 @@ Hit16 RayTracer::intersect(I16 active, const Ray16& ray, Coherence coherence) co
 }
 
 I16 RayTracer::occluded(I16 active, const Ray16& ray, Coherence coherence) const {
-  alignas(64) RTCRay16 rays;
-  store_ray(rays, ray);
   alignas(64) const I16 valid = traceable(active, ray);
+  alignas(64) RTCRay16 rays;
+  store_ray(rays, valid, ray);
   RTCIntersectContext context = make_context(coherence);
   rtcOccluded16(reinterpret_cast<const int*>(&valid), impl_->scene, &context, &rays);
   F16 t;

@@ -1,41 +1,64 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 
-#if defined(__AVX512F__)
+#if defined(__AVX2__)
 #include <immintrin.h>
 #endif
 
+#include "core/lanes.h"
 #include "core/types.h"
 
 namespace vrc {
 
-// Sixteen lanes, the width of an Embree packet. The compiler splits them on narrower machines.
+// Sixteen lanes, the width of an Embree packet.
 inline constexpr int kLanes = 16;
+#if defined(__AVX512F__)
 using F16 = float __attribute__((vector_size(64)));
 using I16 = std::int32_t __attribute__((vector_size(64)));  ///< Integers, or a mask of 0 and -1.
 using U16 = std::uint32_t __attribute__((vector_size(64)));
+#else
+using F16 = Lanes16<float>;
+using I16 = Lanes16<std::int32_t>;  ///< Integers, or a mask of 0 and -1.
+using U16 = Lanes16<std::uint32_t>;
+#endif
 
 [[nodiscard]] inline F16 splat(float value) { return value - F16{}; }  // - 0 costs nothing
 [[nodiscard]] inline I16 splat(std::int32_t value) { return I16{} + value; }
 [[nodiscard]] inline U16 splat(std::uint32_t value) { return U16{} + value; }
-[[nodiscard]] inline I16 lane_index() { return I16{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15}; }
+[[nodiscard]] inline I16 lane_index() {
+  return std::bit_cast<I16>(std::array{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15});
+}
 
+#if defined(__AVX512F__)
 [[nodiscard]] inline F16 select(I16 mask, F16 yes, F16 no) { return mask ? yes : no; }
 [[nodiscard]] inline I16 select(I16 mask, I16 yes, I16 no) { return mask ? yes : no; }
-
 [[nodiscard]] inline F16 to_float(I16 v) { return __builtin_convertvector(v, F16); }
 [[nodiscard]] inline F16 to_float(U16 v) { return __builtin_convertvector(v, F16); }
 [[nodiscard]] inline I16 to_int(F16 v) { return __builtin_convertvector(v, I16); }
+#else
+[[nodiscard]] inline F16 select(I16 mask, F16 yes, F16 no) { return chosen(mask, yes, no); }
+[[nodiscard]] inline I16 select(I16 mask, I16 yes, I16 no) { return chosen(mask, yes, no); }
+[[nodiscard]] inline F16 to_float(I16 v) { return converted<float>(v); }
+[[nodiscard]] inline F16 to_float(U16 v) { return converted<float>(v); }
+[[nodiscard]] inline I16 to_int(F16 v) { return converted<std::int32_t>(v); }
+#endif
+/// Sixteen short integers from memory.
+[[nodiscard]] inline F16 load_shorts(const std::int16_t* from) {
+  I16 v;
+  for (int i = 0; i < kLanes; ++i) v[i] = from[i];
+  return to_float(v);
+}
 [[nodiscard]] inline I16 bits(F16 v) { return std::bit_cast<I16>(v); }
 [[nodiscard]] inline F16 from_bits(I16 v) { return std::bit_cast<F16>(v); }
 
 // NaN in `a` yields `b`, as the hardware instructions do.
-[[nodiscard]] inline F16 min(F16 a, F16 b) { return a < b ? a : b; }
-[[nodiscard]] inline F16 max(F16 a, F16 b) { return a > b ? a : b; }
+[[nodiscard]] inline F16 min(F16 a, F16 b) { return select(a < b, a, b); }
+[[nodiscard]] inline F16 max(F16 a, F16 b) { return select(a > b, a, b); }
 [[nodiscard]] inline F16 max(F16 a, float b) { return max(a, splat(b)); }
 [[nodiscard]] inline F16 min(F16 a, float b) { return min(a, splat(b)); }
 [[nodiscard]] inline F16 abs(F16 v) { return from_bits(bits(v) & 0x7fffffff); }
@@ -44,6 +67,8 @@ using U16 = std::uint32_t __attribute__((vector_size(64)));
 [[nodiscard]] inline F16 sqrt(F16 v) {
 #if defined(__AVX512F__)
   return std::bit_cast<F16>(_mm512_maskz_sqrt_ps(0xffff, std::bit_cast<__m512>(v)));
+#elif defined(__AVX2__)
+  return v.map([](F16::Part p) { return _mm256_sqrt_ps(p); });
 #else
   F16 result;
   for (int i = 0; i < kLanes; ++i) result[i] = std::sqrt(v[i]);
@@ -55,6 +80,8 @@ using U16 = std::uint32_t __attribute__((vector_size(64)));
 #if defined(__AVX512F__)
   return std::bit_cast<F16>(
       _mm512_maskz_roundscale_ps(0xffff, std::bit_cast<__m512>(v), _MM_FROUND_TO_NEG_INF));
+#elif defined(__AVX2__)
+  return v.map([](F16::Part p) { return _mm256_floor_ps(p); });
 #else
   F16 result;
   for (int i = 0; i < kLanes; ++i) result[i] = std::floor(v[i]);
@@ -66,6 +93,11 @@ using U16 = std::uint32_t __attribute__((vector_size(64)));
 [[nodiscard]] inline std::uint32_t mask_bits(I16 mask) {
 #if defined(__AVX512F__)
   return _mm512_cmplt_epi32_mask(std::bit_cast<__m512i>(mask), _mm512_setzero_si512());
+#elif defined(__AVX2__)
+  const auto bits_of = [](I16::Part p) {
+    return static_cast<std::uint32_t>(_mm256_movemask_ps(reinterpret_cast<__m256>(p)));
+  };
+  return bits_of(mask.part[0]) | bits_of(mask.part[1]) << I16::kPartLanes;
 #else
   std::uint32_t result = 0;
   for (int i = 0; i < kLanes; ++i) result |= static_cast<std::uint32_t>(mask[i] < 0) << i;
@@ -82,6 +114,11 @@ using U16 = std::uint32_t __attribute__((vector_size(64)));
 #if defined(__AVX512F__)
   return std::bit_cast<F16>(
       _mm512_mask_i32gather_ps(_mm512_setzero_ps(), 0xffff, std::bit_cast<__m512i>(index), base, 4));
+#elif defined(__AVX2__)
+  F16 result;
+  for (int i = 0; i < F16::kParts; ++i)
+    result.part[i] = _mm256_i32gather_ps(base, reinterpret_cast<__m256i>(index.part[i]), 4);
+  return result;
 #else
   F16 result;
   for (int i = 0; i < kLanes; ++i) result[i] = base[index[i]];
@@ -119,6 +156,9 @@ struct SinCos16 {
 };
 /// Sine and cosine of 2 pi u, u in [0, 1].
 [[nodiscard]] SinCos16 sincos_2pi(F16 u);
+/// The turns in [0, 1) by which a vector lies counterclockwise of the x axis; absolute error below 1.5e-7.
+/// 0 for the null vector.
+[[nodiscard]] F16 turns(F16 x, F16 y);
 
 /// Three components, sixteen lanes each.
 struct V3x16 {

@@ -65,12 +65,13 @@ struct RadianceEstimate {
 [[nodiscard]] Jet2 luminance(const std::array<Jet2, 3>& rgb);
 
 struct GuideHistogram;
-class KeptHistogram;
+class GuideWarp;
 
 /// What a gather learns from others, and others from it.
 struct Guidance {
-  const GuideHistogram* guide = nullptr;  ///< Of other rays: where to send these; null: nowhere special.
-  GuideHistogram* found = nullptr;        ///< Filled with what the rays find, unless null.
+  /// By other rays: where to send these; null: nowhere special. Of kMixture directions.
+  const GuideWarp* warp = nullptr;
+  GuideHistogram* found = nullptr;  ///< Filled with mean squares of arriving luminance, unless null.
 };
 
 /// Gathers with Owen-scrambled Sobol rays and sums the closed-form derivatives of every ray's contribution

@@ -12,17 +12,14 @@
 
 namespace vrc {
 
-/// Over the unit square (u1, u2) from which a gather's directions are sampled: the mean square of what the
-/// rays contribute, in luminance, before it is divided by the density of a warp.
+/// Over the unit square (u1, u2) from which a gather's directions are sampled: the mean square in each cell
+/// of the luminance that arrives, or of what it contributes to the gather.
 struct GuideHistogram {
   static constexpr int kColumns = 64;  ///< Of u1, which also chooses the strategy: eight to an eighth.
   static constexpr int kRows = 32;     ///< Of u2, an azimuth.
   static constexpr int kCells = kColumns * kRows;
 
   std::array<float, kCells> mean_square{};  ///< Entry column * kRows + row.
-
-  /// Adds `weight` times another histogram.
-  void add(const KeptHistogram& other, float weight);
 };
 
 /// A histogram as it is kept with each of many records, in half the space: rounded to eight significant bits.
@@ -33,7 +30,6 @@ class KeptHistogram {
   [[nodiscard]] float mean_square(std::size_t cell) const {
     return std::bit_cast<float>(std::uint32_t{upper_bits_[cell]} << 16);
   }
-  [[nodiscard]] GuideHistogram expanded() const;
 
  private:
   std::array<std::uint16_t, GuideHistogram::kCells> upper_bits_;  ///< Of single-precision numbers.
@@ -44,8 +40,8 @@ class KeptHistogram {
 /// estimate unbiased, however wrong it is.
 class GuideWarp {
  public:
-  /// Columns [first[i], first[i + 1]) belong to one sampling strategy; the histogram is smoothed over
-  /// neighbouring cells of the same strategy, the azimuth wrapping round.
+  /// By the mean squares of contributions. Columns [first[i], first[i + 1]) belong to one sampling strategy;
+  /// the histogram is smoothed over neighbouring cells of the same strategy, the azimuth wrapping round.
   GuideWarp(const GuideHistogram& histogram, const std::vector<int>& first_columns);
 
   struct Point16 {
@@ -68,23 +64,32 @@ class GuideWarp {
 /// Cells of sixteen points of the unit square.
 [[nodiscard]] I16 guide_cells(F16 u1, F16 u2);
 
-/// Histograms of gathers, found again by where the camera sees them.
+/// Radiance that gathers found, found again by where the camera sees them.
 class GuideField {
  public:
   explicit GuideField(const Scene& scene);
 
-  void add(const RecordSite& site, std::shared_ptr<const KeptHistogram> histogram);
+  /// `found`: mean squares of arriving luminance, as `Guidance::found`.
+  void add(const RecordSite& site, std::shared_ptr<const KeptHistogram> found);
 
-  /// The average of the (up to four) nearest ones to a site, weighted by distance: same material, similar
-  /// normal, within 24 pixels. Null when there is none.
-  [[nodiscard]] std::unique_ptr<GuideHistogram> at(const RecordSite& site) const;
+  /// The warp by what the (up to eight) nearest gathers within 24 pixels found, whatever their materials
+  /// and normals: weighted by distance and by how densely each looked in a direction, times what the site's
+  /// BRDF makes of that direction. `own`, unless null, are other rays from the site. Null when there is
+  /// nothing.
+  [[nodiscard]] std::unique_ptr<const GuideWarp> warp_at(const RecordSite& site,
+                                                         const KeptHistogram* own = nullptr) const;
 
  private:
   struct Entry {
-    Vec3 position, normal;
+    Vec3 position, normal, to_camera;
     std::int32_t material;
-    std::shared_ptr<const KeptHistogram> histogram;
+    std::shared_ptr<const KeptHistogram> found;
   };
+  struct Near {
+    double squared_distance;  ///< In pixels of the site.
+    std::uint32_t entry;
+  };
+  [[nodiscard]] std::vector<Near> nearest(const RecordSite& site) const;
   [[nodiscard]] Eigen::Vector2i cell_of(const Vec3& position) const;
 
   const Scene& scene_;

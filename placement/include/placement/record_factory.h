@@ -25,17 +25,16 @@ class RecordFactory {
   [[nodiscard]] const std::shared_ptr<const BrdfHarmonicsSet>& brdfs() const { return brdfs_; }
 
   /// Gathers what the strategy and the representation ask for everywhere. Rays towards the camera are guided
-  /// by what `guides` holds nearby, if given, and when they turn out too noisy by their own, which then do
+  /// by what `guides` holds nearby, and when they turn out too noisy by their own, which then do
   /// not count. A record of a hybrid cache that holds harmonics whatever its region is gathers them alone.
   [[nodiscard]] RadianceRecord make(const RecordSite& site, const GatherOptions& gather,
-                                    const NoiseGoal& goal, RayCounts& counts,
-                                    const GuideField* guides = nullptr) const;
+                                    const NoiseGoal& goal, RayCounts& counts, const GuideField& guides) const;
 
   /// Gathers again, by 2^log2_rays rays, at a record that was made here. The estimate becomes the mean of
-  /// these rays and, if it is to keep them, of its own; those guide the new ones in any case. Not for records
-  /// that hold harmonics alone. Of a hybrid cache, harmonics are forgotten.
+  /// these rays and, if it is to keep them, of its own; those guide the new ones in any case, with `guides`.
+  /// Not for records that hold harmonics alone. Of a hybrid cache, harmonics are forgotten.
   void add_rays(RadianceRecord& record, const GatherOptions& gather, int log2_rays, bool keep_own,
-                RayCounts& counts) const;
+                RayCounts& counts, const GuideField& guides) const;
 
   /// Gives the record its region, decides by the rule of a hybrid cache whether it is to hold spherical
   /// harmonics and gathers them when it does so for the first time.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <vector>
 
 #include "placement/radiance_cache.h"
@@ -107,26 +108,60 @@ class TileRecords {
   /// over its surface, whose region, widened `support` times, holds it, and whose turn has come.
   template <typename Body>
   void for_each(std::size_t packet, float support, const Body& body) const {
+    for_each_while(packet, support, [&](const PackedRecord& record, const Coverage16& c) {
+      body(record, c);
+      return true;
+    });
+  }
+  /// As long as body(record, coverage) says so.
+  template <typename Body>
+  void for_each_while(std::size_t packet, float support, const Body& body) const {
     const SurfacePoint16& p = tile_.points[packet];
     const std::uint32_t turn = tile_.turn(packet);
-    for (const std::uint32_t index : candidates_) {
-      const RadianceCache::Footprint& f = cache_.footprints()[index];
-      const PackedRecord& record = cache_.packed()[f.record];
-      if (record.turn > turn || !may_reach(record, p, support)) continue;
-      const I16 reached = cache_.reaches(f, at_[packet], p.triangle);
-      if (!any(reached)) continue;
-      const Coverage16 c = coverage(record, p.position, p.normal, reached, support);
-      if (any(c.weight > 0.0f)) body(record, c);
+    const Sphere around = bounds(p);
+    for (std::size_t first = 0; first < spheres_.size(); ++first) {
+      for (std::uint32_t left = spheres_[first].near(around, support); left != 0; left &= left - 1) {
+        const std::size_t i = first * kLanes + static_cast<std::size_t>(std::countr_zero(left));
+        const RadianceCache::Footprint& f = cache_.footprints()[candidates_[i]];
+        const PackedRecord& record = cache_.packed()[f.record];
+        if (record.turn > turn || !may_reach(record, p, support)) continue;
+        const I16 reached = cache_.reaches(f, at_[packet], p.triangle);
+        if (!any(reached)) continue;
+        const Coverage16 c = coverage(record, p.position, p.normal, reached, support);
+        if (any(c.weight > 0.0f) && !body(record, c)) return;
+      }
     }
   }
 
  private:
+  struct Sphere {
+    Vec3f center;
+    float radius;
+  };
+  /// What sixteen records reach at most.
+  struct Spheres16 {
+    V3x16 center{};
+    F16 radius{};  ///< With support 1; negative: no record.
+
+    /// A bit for each that may meet a sphere.
+    [[nodiscard]] std::uint32_t near(const Sphere& sphere, float support) const {
+      const V3x16 d = center - splat3(sphere.center);
+      const F16 reach = (radius * support + sphere.radius) * kRoundingSlack;
+      return mask_bits((dot(d, d) <= reach * reach) & (radius >= 0.0f));
+    }
+  };
+  static constexpr float kRoundingSlack = 1.0001f;
+
+  /// Around the points of a packet that scatter.
+  [[nodiscard]] static Sphere bounds(const SurfacePoint16& p);
+  [[nodiscard]] static float reach_of(const PackedRecord& record);
   [[nodiscard]] static bool may_reach(const PackedRecord& record, const SurfacePoint16& p, float support);
 
   const RadianceCache& cache_;
   const Tile& tile_;
   std::vector<ChartPoint16> at_;           ///< Of the tile's packets.
   std::vector<std::uint32_t> candidates_;  ///< Footprints.
+  std::vector<Spheres16> spheres_;         ///< Of the candidates' records.
 };
 
 }  // namespace vrc

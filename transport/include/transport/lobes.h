@@ -41,6 +41,13 @@ struct Directions16 {
 [[nodiscard]] V3x16 sample(const PhongLobe& lobe, const V3x16& n, const V3x16& wo, F16 u1, F16 u2);
 [[nodiscard]] V3x16 sample(const GgxLobe& lobe, const V3x16& n, const V3x16& wo, F16 u1, F16 u2);
 
+/// A point of the unit square, in [0, 1).
+struct SquarePoint16 {
+  F16 u1, u2;
+};
+/// That from which `sample` makes d.wi; the nearest where it makes no such direction.
+[[nodiscard]] SquarePoint16 sampled_from(const GgxLobe& lobe, const Directions16& d);
+
 /// Luminance of the lobe's reflectance: what lobes are chosen by.
 [[nodiscard]] float strength(const Lobe& lobe);
 
