@@ -52,7 +52,6 @@ GatherRays::GatherRays(const Scene& scene, const RecordSite& site, const GatherO
   const SceneTriangle& own = scene.triangles()[site.point.triangle];
   facet_ = longest_edge(own);
   region_ = own.region;
-  normal_ = splat3(frame_.normal);
   geometric_normal_ = splat3(site.point.geometric_normal);
   // Off the surface and towards the camera: in a crease the second keeps the origin in the open.
   const Vec3 lift =
@@ -75,7 +74,7 @@ F16 GatherRays::choose_direction(F16 u1, F16 u2, GatherPacket16& packet) const {
 }
 
 bool GatherRays::trace(F16 density, F16 u1, F16 u2, std::uint32_t first_index, GatherPacket16& packet) {
-  const I16 active = (dot(packet.direction, normal_) > 0.0f) &
+  const I16 active = (dot(packet.direction, square_.normal()) > 0.0f) &
                      (dot(packet.direction, geometric_normal_) > 0.0f) & (density > 1e-20f);
   const SurfacePoint16 hit =
       scene_.intersect(active, {origin_, packet.direction, splat(1e17f)}, RayTracer::Coherence::kCoherent);
@@ -89,7 +88,7 @@ bool GatherRays::trace(F16 density, F16 u1, F16 u2, std::uint32_t first_index, G
   const I16 lit = hit.scatters;
   if (!any(lit)) return false;
 
-  const V3x16 r = select(lit, to_hit, normal_);
+  const V3x16 r = select(lit, to_hit, square_.normal());
   packet.moving = moving_point(frame_, r);
   add_direct_light(lit, hit, u1, u2, packet);
   if (options_.bounces != 1) add_bounced_light(lit, hit, first_index, packet);
@@ -103,7 +102,7 @@ bool GatherRays::trace(F16 density, F16 u1, F16 u2, std::uint32_t first_index, G
 }
 
 V3x16 GatherRays::to_frame(const V3x16& v) const {
-  return {dot(v, splat3(frame_.tangent)), dot(v, splat3(frame_.bitangent)), dot(v, normal_)};
+  return {dot(v, splat3(frame_.tangent)), dot(v, splat3(frame_.bitangent)), dot(v, square_.normal())};
 }
 
 /// In a sphere a chord of length t makes the angle asin(kappa t / 2) with the surface at both its ends: the

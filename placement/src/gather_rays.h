@@ -126,7 +126,7 @@ class GatherRays {
   SamplingSquare square_;
   const GuideWarp* warp_;
   RecordFrame frame_;
-  V3x16 normal_, geometric_normal_, origin_;
+  V3x16 geometric_normal_, origin_;
   bool in_hollow_ = false;   ///< The derivatives follow a surface that is concave in all directions.
   float facet_ = 0.0f;       ///< Longest edge of the record's triangle.
   std::int32_t region_ = 0;  ///< The record's smooth region.

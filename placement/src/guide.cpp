@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <list>
-#include <optional>
+#include <variant>
+#include <vector>
 
 #include "sampling_square.h"
 
@@ -39,38 +39,14 @@ void smooth_columns(const GuideHistogram& from, int begin, int end, GuideHistogr
   }
 }
 
-/// A direction's point in the columns of a strategy, and the density there of its directions.
-struct Seen16 {
-  SquarePoint16 point;
-  F16 density;
-};
-
-/// Where a strategy that samples by a power of the cosine to some axis sees a direction.
-struct CosinePower {
-  V3x16 axis;
-  Tangents16 frame;
-  float exponent;
-
-  CosinePower(const V3x16& a, float n) : axis(a), frame(tangents(a)), exponent(n) {}
-
-  [[nodiscard]] Seen16 operator()(const V3x16& direction) const {
-    const F16 cosine = max(dot(direction, axis), 0.0f);
-    const F16 power = exponent == 1.0f ? cosine : pow(cosine, exponent);
-    const F16 u1 = min(max(1.0f - power * cosine, 0.0f), kBelowOne);
-    return {{u1, turns(dot(direction, frame.s), dot(direction, frame.t))},
-            power * ((exponent + 1.0f) * 0.5f / kPiF)};
-  }
-};
-
 /// What gathers found by one strategy in the same directions.
 class Outlook {
  public:
   Outlook(const SamplingSquare& square, const GatherStrategy& strategy)
-      : square_(square), strategy_(strategy), probes_(probes(square, strategy, 0.0f)) {
-    if (strategy.kind == GatherStrategy::Kind::kCosine)
-      power_.emplace(square.normal(), 1.0f);
-    else if (const auto* phong = std::get_if<PhongLobe>(strategy.lobe))
-      power_.emplace(square.mirrored_camera(), phong->exponent);
+      : normal_(square.normal()),
+        strategy_(strategy),
+        inverse_(square.inverse(strategy)),
+        probes_(probes(square, strategy, 0.0f)) {
     const V3x16 moved = probes(square, strategy, 1.0f) - probes_;
     tolerance_ = (kSameCell * kSameCell) * dot(moved, moved);
     cells_.resize(static_cast<std::size_t>(end() - begin()));
@@ -91,21 +67,16 @@ class Outlook {
 
   /// Adds n L^2 and n, n how densely the gathers looked in a direction.
   void look(const V3x16& direction, F16& squares, F16& densities) const {
-    const Seen16 seen = look(direction);
+    const SampledFrom16 from = std::visit([&](const auto& inverse) { return inverse(direction); }, inverse_);
     const float share = strategy_.end - strategy_.begin;
-    const F16 density = select(dot(direction, square_.normal()) > 0.0f, share * seen.density, F16{});
+    const F16 density = select(dot(direction, normal_) > 0.0f, share * from.pdf, F16{});
     if (!any(density > kUnseen)) return;
-    const I16 cell = guide_cells(strategy_.begin + share * seen.point.u1, seen.point.u2) - begin();
+    const I16 cell = guide_cells(strategy_.begin + share * from.u1, from.u2) - begin();
     squares += density * gather(cells_.data(), cell);
     densities += weight_ * density;
   }
 
  private:
-  [[nodiscard]] Seen16 look(const V3x16& direction) const {
-    if (power_) return (*power_)(direction);
-    const Directions16 d = square_.with_camera(direction);
-    return {sampled_from(std::get<GgxLobe>(*strategy_.lobe), d), square_.pdf(strategy_, d)};
-  }
   /// Directions all over the strategy's columns, from points that are moved by some cells.
   static V3x16 probes(const SamplingSquare& square, const GatherStrategy& s, float cells) {
     const F16 i = to_float(lane_index());
@@ -118,9 +89,9 @@ class Outlook {
   [[nodiscard]] int end() const { return static_cast<int>(strategy_.end * kColumns) * kRows; }
 
   static constexpr int kColumns = GuideHistogram::kColumns, kRows = GuideHistogram::kRows;
-  const SamplingSquare square_;
-  const GatherStrategy strategy_;
-  std::optional<CosinePower> power_;
+  V3x16 normal_;
+  GatherStrategy strategy_;
+  SampleInverse inverse_;
   V3x16 probes_;
   F16 tolerance_;  ///< Squared, of the probes.
   float weight_ = 0.0f;
@@ -147,7 +118,7 @@ class Findings {
   }
 
  private:
-  std::list<Outlook> outlooks_;
+  std::vector<Outlook> outlooks_;
 };
 
 /// What the luminance that arrives from a direction is multiplied by in a gather.

@@ -21,6 +21,7 @@ namespace {
 
 constexpr int kLog2PilotRays = 10;
 constexpr double kNoiseLimit = 2.5;             // of the accepted noise: beyond it a record is gathered again
+constexpr double kLeastNoise = 1e-9;            // relative: where all is dark there is none, which is known
 constexpr std::size_t kFewestToLearnFrom = 64;  // records, whose noise tells how many rays others need
 // Passes over the samples that the points miss: a block of pixels gets at most one record in each, line by
 // line a tile. Blocks become smaller, since one record may show many others.
@@ -225,7 +226,7 @@ class RecordPlacer::Placement {
       recent_noise_.push_back(relative_noise(record) * std::exp2(0.5 * kVarianceConvergence * doublings));
     }
     if (recent_noise_.size() < kFewestToLearnFrom) return;
-    noise_ = middle_of(recent_noise_);
+    noise_ = std::max(middle_of(recent_noise_), kLeastNoise);
     recent_noise_.clear();
     set_rays(options_.error);
   }

@@ -6,8 +6,6 @@
 namespace vrc {
 namespace {
 
-constexpr float kBelowOne = 0x1.fffffep-1f;
-
 std::vector<GatherStrategy> make_strategies(const Bsdf& bsdf, GatherDirections directions) {
   using Kind = GatherStrategy::Kind;
   if (directions == GatherDirections::kUniform) return {{Kind::kUniform}};
@@ -54,7 +52,7 @@ V3x16 SamplingSquare::direction(F16 u1, F16 u2) const {
 }
 
 V3x16 SamplingSquare::direction(const GatherStrategy& s, F16 u1, F16 u2) const {
-  const F16 stretched = min(max((u1 - s.begin) * (1.0f / (s.end - s.begin)), 0.0f), kBelowOne);
+  const F16 stretched = within_unit((u1 - s.begin) * (1.0f / (s.end - s.begin)));
   switch (s.kind) {
     case GatherStrategy::Kind::kCosine:
       return sample(LambertLobe{}, normal_, to_camera_, stretched, u2);
@@ -76,6 +74,11 @@ F16 SamplingSquare::pdf(const GatherStrategy& s, const Directions16& d) const {
       break;
   }
   return std::visit([&](const auto& l) { return vrc::pdf(l, d); }, *s.lobe);
+}
+
+SampleInverse SamplingSquare::inverse(const GatherStrategy& s) const {
+  return inverse_of_sample(s.kind == GatherStrategy::Kind::kLobe ? *s.lobe : Lobe(LambertLobe{}), normal_,
+                           to_camera_);
 }
 
 F16 SamplingSquare::pdf(const Directions16& d) const {

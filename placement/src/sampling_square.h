@@ -34,11 +34,9 @@ class SamplingSquare {
   [[nodiscard]] F16 pdf(const GatherStrategy& strategy, const Directions16& d) const;
   /// Of all of them together.
   [[nodiscard]] F16 pdf(const Directions16& d) const;
+  /// Where the lobe of a strategy, not a uniform one, makes directions from; not squeezed into its columns.
+  [[nodiscard]] SampleInverse inverse(const GatherStrategy& strategy) const;
   [[nodiscard]] const V3x16& normal() const { return normal_; }
-  /// The direction to the camera, mirrored at the surface.
-  [[nodiscard]] V3x16 mirrored_camera() const {
-    return normalize(normal_ * (2.0f * dot(normal_, to_camera_)) - to_camera_);
-  }
   /// The pair of a direction with that of the camera.
   [[nodiscard]] Directions16 with_camera(const V3x16& direction) const {
     return directions(normal_, to_camera_, direction);

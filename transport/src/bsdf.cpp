@@ -63,7 +63,7 @@ V3x16 sample_bsdf(const std::vector<Bsdf>& bsdfs, I16 active, I16 material, cons
       const float end = last ? 1.0f : begin + bsdf.probabilities[i];
       const I16 chosen = mask & (u1 >= begin) & (u1 < end);
       if (any(chosen) && end > begin) {
-        const F16 stretched = min(max((u1 - begin) / (end - begin), 0.0f), 0x1.fffffep-1f);
+        const F16 stretched = within_unit((u1 - begin) / (end - begin));
         std::visit(
             [&](const auto& lobe) { result = select(chosen, sample(lobe, n, wo, stretched, u2), result); },
             bsdf.lobes[i]);

@@ -68,7 +68,7 @@ Lights::Chosen Lights::choose(F16 u1) const {
       result.u[lane] = (u1[lane] - e.cdf_begin) / std::max(e.cdf_end - e.cdf_begin, 1e-30f);
     }
   }
-  result.u = min(max(result.u, 0.0f), 0x1.fffffep-1f);
+  result.u = within_unit(result.u);
   return result;
 }
 

@@ -10,9 +10,6 @@ V3x16 mirror(const V3x16& n, const V3x16& w) { return n * (2.0f * dot(n, w)) - w
 
 F16 phong_cosine(const Directions16& d) { return 2.0f * d.cos_o * d.cos_i - dot(d.wo, d.wi); }
 
-/// The coordinate below 1 of a point of the unit square.
-F16 within_unit(F16 u) { return min(max(u, 0.0f), 0x1.fffffep-1f); }
-
 /// The projected hemisphere of visible normals seen from `stretched` [Heitz2018].
 struct VisibleDisk {
   V3x16 t1, t2;
@@ -140,16 +137,37 @@ V3x16 sample(const GgxLobe& lobe, const V3x16& n, const V3x16& wo, F16 u1, F16 u
   return mirror(h, wo);
 }
 
-SquarePoint16 sampled_from(const GgxLobe& lobe, const Directions16& d) {
-  const Tangents16 frame = tangents(d.n);
-  const V3x16 stretched = stretched_view(lobe, frame, d.n, d.wo);
-  const VisibleDisk disk(stretched);
-  const V3x16 h = d.wo + d.wi;
-  const float inverse = 1.0f / lobe.alpha;
-  const V3x16 m = normalize({inverse * dot(h, frame.s), inverse * dot(h, frame.t), max(dot(h, d.n), 1e-6f)});
-  const F16 p1 = dot(m, disk.t1);
-  const F16 y = (dot(m, disk.t2) - (1.0f - disk.blend) * sqrt(max(1.0f - p1 * p1, 0.0f))) / disk.blend;
-  return {within_unit(p1 * p1 + y * y), turns(p1, y)};
+CosinePowerInverse::CosinePowerInverse(const LambertLobe&, const V3x16& n, const V3x16&)
+    : axis_(n), frame_(tangents(n)), exponent_(1.0f) {}
+CosinePowerInverse::CosinePowerInverse(const PhongLobe& lobe, const V3x16& n, const V3x16& wo)
+    : axis_(normalize(mirror(n, wo))), frame_(tangents(axis_)), exponent_(lobe.exponent) {}
+SampledFrom16 CosinePowerInverse::operator()(const V3x16& wi) const {
+  const F16 cosine = max(dot(wi, axis_), 0.0f);
+  const F16 power = exponent_ == 1.0f ? cosine : pow(cosine, exponent_);
+  return {within_unit(1.0f - power * cosine), turns(dot(wi, frame_.s), dot(wi, frame_.t)),
+          power * ((exponent_ + 1.0f) / (2.0f * kPiF))};
+}
+
+GgxInverse::GgxInverse(const GgxLobe& lobe, const V3x16& n, const V3x16& wo)
+    : lobe_(lobe), n_(n), wo_(wo), frame_(tangents(n)) {
+  const VisibleDisk disk(stretched_view(lobe, frame_, n, wo));
+  t1_ = disk.t1;
+  t2_ = disk.t2;
+  blend_ = disk.blend;
+}
+SampledFrom16 GgxInverse::operator()(const V3x16& wi) const {
+  const V3x16 h = wo_ + wi;
+  const float inverse = 1.0f / lobe_.alpha;
+  const V3x16 m = normalize({inverse * dot(h, frame_.s), inverse * dot(h, frame_.t), max(dot(h, n_), 1e-6f)});
+  const F16 p1 = dot(m, t1_);
+  const F16 y = (dot(m, t2_) - (1.0f - blend_) * sqrt(max(1.0f - p1 * p1, 0.0f))) / blend_;
+  return {within_unit(p1 * p1 + y * y), turns(p1, y), pdf(lobe_, directions(n_, wo_, wi))};
+}
+
+SampleInverse inverse_of_sample(const Lobe& lobe, const V3x16& n, const V3x16& wo) {
+  if (const auto* phong = std::get_if<PhongLobe>(&lobe)) return CosinePowerInverse(*phong, n, wo);
+  if (const auto* ggx = std::get_if<GgxLobe>(&lobe)) return GgxInverse(*ggx, n, wo);
+  return CosinePowerInverse(LambertLobe{}, n, wo);
 }
 
 float strength(const Lobe& lobe) {

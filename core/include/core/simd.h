@@ -49,9 +49,15 @@ using U16 = Lanes16<std::uint32_t>;
 #endif
 /// Sixteen short integers from memory.
 [[nodiscard]] inline F16 load_shorts(const std::int16_t* from) {
-  I16 v;
-  for (int i = 0; i < kLanes; ++i) v[i] = from[i];
-  return to_float(v);
+#if defined(__AVX512F__)
+  std::int16_t __attribute__((vector_size(2 * kLanes))) shorts;
+  __builtin_memcpy(&shorts, from, sizeof(shorts));
+  return __builtin_convertvector(shorts, F16);
+#else
+  F16 result;
+  for (int i = 0; i < kLanes; ++i) result[i] = from[i];
+  return result;
+#endif
 }
 [[nodiscard]] inline I16 bits(F16 v) { return std::bit_cast<I16>(v); }
 [[nodiscard]] inline F16 from_bits(I16 v) { return std::bit_cast<F16>(v); }
@@ -61,6 +67,8 @@ using U16 = Lanes16<std::uint32_t>;
 [[nodiscard]] inline F16 max(F16 a, F16 b) { return select(a > b, a, b); }
 [[nodiscard]] inline F16 max(F16 a, float b) { return max(a, splat(b)); }
 [[nodiscard]] inline F16 min(F16 a, float b) { return min(a, splat(b)); }
+/// The nearest coordinate of a sample in [0, 1).
+[[nodiscard]] inline F16 within_unit(F16 u) { return min(max(u, 0.0f), 0x1.fffffep-1f); }
 [[nodiscard]] inline F16 abs(F16 v) { return from_bits(bits(v) & 0x7fffffff); }
 
 // The zero-masking intrinsics have no undefined operand for GCC 12 to warn about.

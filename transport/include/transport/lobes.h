@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <variant>
+
 #include "core/simd.h"
 #include "transport/material.h"
 
@@ -41,13 +43,6 @@ struct Directions16 {
 [[nodiscard]] V3x16 sample(const PhongLobe& lobe, const V3x16& n, const V3x16& wo, F16 u1, F16 u2);
 [[nodiscard]] V3x16 sample(const GgxLobe& lobe, const V3x16& n, const V3x16& wo, F16 u1, F16 u2);
 
-/// A point of the unit square, in [0, 1).
-struct SquarePoint16 {
-  F16 u1, u2;
-};
-/// That from which `sample` makes d.wi; the nearest where it makes no such direction.
-[[nodiscard]] SquarePoint16 sampled_from(const GgxLobe& lobe, const Directions16& d);
-
 /// Luminance of the lobe's reflectance: what lobes are chosen by.
 [[nodiscard]] float strength(const Lobe& lobe);
 
@@ -56,6 +51,39 @@ struct Tangents16 {
 };
 /// Two tangents of a unit vector [Duff2017].
 [[nodiscard]] Tangents16 tangents(const V3x16& n);
+
+/// The point (u1, u2) of the unit square, in [0, 1), from which `sample` makes a direction, and its pdf.
+struct SampledFrom16 {
+  F16 u1, u2, pdf;
+};
+
+// `sample` the other way round, for the directions wi at one point: what they share is found once. Directions
+// that it never makes have pdf 0.
+class CosinePowerInverse {
+ public:
+  CosinePowerInverse(const LambertLobe& lobe, const V3x16& n, const V3x16& wo);
+  CosinePowerInverse(const PhongLobe& lobe, const V3x16& n, const V3x16& wo);
+  [[nodiscard]] SampledFrom16 operator()(const V3x16& wi) const;
+
+ private:
+  V3x16 axis_;
+  Tangents16 frame_;
+  float exponent_;
+};
+class GgxInverse {
+ public:
+  GgxInverse(const GgxLobe& lobe, const V3x16& n, const V3x16& wo);
+  [[nodiscard]] SampledFrom16 operator()(const V3x16& wi) const;
+
+ private:
+  GgxLobe lobe_;
+  V3x16 n_, wo_;
+  Tangents16 frame_;
+  V3x16 t1_, t2_;
+  F16 blend_;
+};
+using SampleInverse = std::variant<CosinePowerInverse, GgxInverse>;
+[[nodiscard]] SampleInverse inverse_of_sample(const Lobe& lobe, const V3x16& n, const V3x16& wo);
 
 /// Direction at polar angle acos(cos_theta) and azimuth 2 pi u around `axis`.
 [[nodiscard]] V3x16 around_axis(const V3x16& axis, F16 cos_theta, F16 u);
