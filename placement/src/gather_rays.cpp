@@ -12,6 +12,9 @@ namespace vrc {
 namespace {
 
 constexpr float kSharpReflector = 300.0f;  // Phong exponent from which light is sampled by the BRDF, too
+constexpr float kGlossyReflector = 2.0f;   // from which a point of the lights is chosen from several
+constexpr int kLightPoints = 8;            // of the lattice that (1, 3) / 8 generates
+constexpr float kLightLattice = 3.0f;
 constexpr double kSaddle = 0.3;  // convex curvature over concave one, of a hollow; cylinders are noisy
 
 /// Whether the surface is concave in all directions, about.
@@ -29,6 +32,33 @@ UnitJet16 masked(I16 mask, const UnitJet16& j) {
   const F16 zero{};
   return {select(mask, j.g1, zero), select(mask, j.g2, zero), select(mask, j.h11, zero),
           select(mask, j.h12, zero), select(mask, j.h22, zero)};
+}
+
+/// In [0, 1), by hashing.
+F16 random_of(F16 u1, F16 u2) {
+  U16 x = std::bit_cast<U16>(bits(u1)) * 0x9e3779b9u + std::bit_cast<U16>(bits(u2));
+  x = (x ^ (x >> 16)) * 0x7feb352du;
+  x = (x ^ (x >> 15)) * 0x846ca68bu;
+  return to_float((x ^ (x >> 16)) >> 8) * 0x1p-24f;
+}
+
+LightSample16 select(I16 mask, const LightSample16& a, const LightSample16& b) {
+  return {(mask & a.valid) | (~mask & b.valid), select(mask, a.direction, b.direction),
+          select(mask, a.distance, b.distance), select(mask, a.radiance, b.radiance),
+          select(mask, a.pdf, b.pdf)};
+}
+
+/// The luminance of f cos_i, times radiance that arrives.
+F16 reflected_luminance(const std::vector<Bsdf>& bsdfs, I16 active, I16 material, const Directions16& d,
+                        const V3x16& radiance) {
+  F16 result{};
+  for_each_distinct(active, material, [&](I16 mask, std::size_t id) {
+    V3x16 f_cos{};
+    for (const Lobe& lobe : bsdfs[id].lobes)
+      std::visit([&](const auto& l) { f_cos += tint(l, d) * shape(l, d); }, lobe);
+    result = select(mask, luminance(f_cos * radiance), result);
+  });
+  return result;
 }
 
 }  // namespace
@@ -157,19 +187,19 @@ void GatherRays::add_reflection(I16 active, const SurfacePoint16& hit, const V3x
 /// heuristic weighs all samples as those of one density [Veach1997].
 void GatherRays::add_direct_light(I16 active, const SurfacePoint16& hit, F16 u1, F16 u2,
                                   GatherPacket16& packet) {
-  const I16 sharp = active & sharp_reflectors(active, hit.material);
+  const I16 sharp = reflectors(active, hit.material, kSharpReflector);
   const I16 by_lobe = sharp & (u1 < 0.5f);
   const F16 left = select(sharp, select(by_lobe, 2.0f * u1, 2.0f * u1 - 1.0f), u1);
   add_sampled_light(active & ~by_lobe, sharp, hit, left, u2, packet);
   if (any(by_lobe)) add_met_light(by_lobe, hit, left, u2, packet);
 }
 
-/// Lanes whose lobes may be narrower than lights.
-I16 GatherRays::sharp_reflectors(I16 active, I16 material) const {
+/// Lanes with a lobe of at least this sharpness, where lights have an extent.
+I16 GatherRays::reflectors(I16 active, I16 material, float sharpness) const {
   I16 result{};
   if (!scene_.lights().can_be_met()) return result;
   for_each_distinct(active, material, [&](I16 mask, std::size_t id) {
-    if (scene_.bsdfs()[id].sharpness() >= kSharpReflector) result |= mask;
+    if (scene_.bsdfs()[id].sharpness() >= sharpness) result |= mask;
   });
   return result;
 }
@@ -190,26 +220,66 @@ void GatherRays::add_met_light(I16 active, const SurfacePoint16& hit, F16 u1, F1
   add_reflection(active & met.valid, hit, m, met.radiance * (1.0f / max(density, 1e-20f)), packet);
 }
 
+LightSample16 GatherRays::sample_light(const SurfacePoint16& hit, F16 u1, F16 u2) const {
+  LightSample16 light = scene_.lights().sample(hit.position, hit.normal, u1, u2);
+  light.valid &=
+      (dot(light.direction, hit.geometric_normal) > 0.0f) & (dot(light.direction, hit.normal) > 0.0f);
+  return light;
+}
+
+/// One of the points of a lattice, with probabilities in proportion to what the hits reflect of their light
+/// [Talbot2005]: the noise of many points for one shadow ray.
+LightSample16 GatherRays::choose_light(I16 active, const SurfacePoint16& hit, const V3x16& back, F16 u1,
+                                       F16 u2) const {
+  constexpr float kStep = 1.0f / static_cast<float>(kLightPoints);
+  // (u1, u2) is one of the points; which one it is tells nothing of where they lie.
+  const F16 number = floor(u1 * static_cast<float>(kLightPoints));
+  F16 choice = (number + random_of(u1, u2)) * kStep;
+  LightSample16 chosen{};
+  F16 total{}, chosen_weight{};
+  for (int k = 0; k < kLightPoints; ++k) {
+    const F16 steps = (static_cast<float>(k) - number) * kStep;
+    const F16 v2 = u2 + kLightLattice * steps;
+    const LightSample16 light = sample_light(hit, within_unit(u1 + steps), within_unit(v2 - floor(v2)));
+    const I16 valid = active & light.valid;
+    if (!any(valid)) continue;
+    const F16 weight = reflected_luminance(scene_.bsdfs(), valid, hit.material,
+                                           directions(hit.normal, back, light.direction), light.radiance);
+    total += weight;
+    const F16 share = weight / max(total, 1e-30f);
+    const I16 taken = valid & (choice < share);
+    choice = select(taken, choice / max(share, 1e-20f), (choice - share) / max(1.0f - share, 1e-20f));
+    chosen_weight = select(taken, weight, chosen_weight);
+    chosen = select(taken, light, chosen);
+  }
+  chosen.radiance = chosen.radiance * (kStep * total / max(chosen_weight, 1e-30f));
+  return chosen;
+}
+
 /// `shared` lanes are those whose light is sampled by their BRDFs, too.
 void GatherRays::add_sampled_light(I16 active, I16 shared, const SurfacePoint16& hit, F16 u1, F16 u2,
                                    GatherPacket16& packet) {
   if (!any(active)) return;
-  const LightSample16 light = scene_.lights().sample(hit.position, hit.normal, u1, u2);
-  const I16 candidate = active & light.valid & (dot(light.direction, hit.geometric_normal) > 0.0f) &
-                        (dot(light.direction, hit.normal) > 0.0f);
+  const V3x16 back = -packet.direction;
+  const I16 choosing =
+      options_.choose_light ? reflectors(active & ~shared, hit.material, kGlossyReflector) : I16{};
+  LightSample16 light{};
+  if (any(choosing)) light = choose_light(choosing, hit, back, u1, u2);
+  if (const I16 others = active & ~choosing; any(others))
+    light = select(others, sample_light(hit, u1, u2), light);
+  const I16 candidate = active & light.valid;
   if (!any(candidate)) return;
   const I16 blocked =
       scene_.tracer().occluded(candidate, scene_.shadow_ray(hit, light), RayTracer::Coherence::kCoherent);
   counts_.shadow += lane_count(candidate);
-  V3x16 radiance = light.radiance;
   if (any(shared)) {
-    const Directions16 d = directions(hit.normal, -packet.direction, light.direction);
+    const Directions16 d = directions(hit.normal, back, light.direction);
     const F16 pdf = evaluate_bsdf(scene_.bsdfs(), candidate & shared, hit.material, d).pdf;
     // Light of no extent (pdf 0) is met by no ray.
     const F16 share = select(light.pdf > 0.0f, 0.5f + 0.5f * pdf / max(light.pdf, 1e-30f), splat(0.5f));
-    radiance = radiance * select(shared, 1.0f / share, splat(1.0f));
+    light.radiance = light.radiance * select(shared, 1.0f / share, splat(1.0f));
   }
-  add_reflection(candidate & ~blocked, hit, light.direction, radiance, packet);
+  add_reflection(candidate & ~blocked, hit, light.direction, light.radiance, packet);
 }
 
 void GatherRays::add_bounced_light(I16 active, const SurfacePoint16& hit, std::uint32_t first_index,

@@ -115,8 +115,11 @@ class GatherRays {
   void add_direct_light(I16 active, const SurfacePoint16& hit, F16 u1, F16 u2, GatherPacket16& packet);
   void add_sampled_light(I16 active, I16 shared, const SurfacePoint16& hit, F16 u1, F16 u2,
                          GatherPacket16& packet);
+  [[nodiscard]] LightSample16 sample_light(const SurfacePoint16& hit, F16 u1, F16 u2) const;
+  [[nodiscard]] LightSample16 choose_light(I16 active, const SurfacePoint16& hit, const V3x16& back, F16 u1,
+                                           F16 u2) const;
   void add_met_light(I16 active, const SurfacePoint16& hit, F16 u1, F16 u2, GatherPacket16& packet);
-  [[nodiscard]] I16 sharp_reflectors(I16 active, I16 material) const;
+  [[nodiscard]] I16 reflectors(I16 active, I16 material, float sharpness) const;
   void add_bounced_light(I16 active, const SurfacePoint16& hit, std::uint32_t first_index,
                          GatherPacket16& packet);
 

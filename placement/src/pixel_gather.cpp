@@ -54,6 +54,7 @@ GuideField guides_of_view(const Scene& scene, const PlacementView& view, int bou
   GatherOptions options;
   options.bounces = bounces;
   options.glossy_glossy = options.total_derivative = options.occlusion_aware = false;
+  options.choose_light = true;
   options.seed = hash(seed, 0x9d1eu);
   const auto add = [&](const std::vector<RecordSite>& sites, int log2_rays) {
     options.log2_rays = log2_rays;
@@ -94,6 +95,7 @@ std::array<double, 3> PixelGatherer::gather(std::span<const SurfacePoint16> poin
   options.log2_rays = log2_rays;
   options.bounces = bounces_;
   options.glossy_glossy = options.total_derivative = false;
+  options.choose_light = true;
   options.seed = seed_;
   struct Lane {
     const SurfacePoint16* packet;

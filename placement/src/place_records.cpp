@@ -55,6 +55,7 @@ class RecordPlacer::Placement {
     gather_.glossy_glossy = options.glossy_glossy;
     gather_.total_derivative = options.total_derivative;
     gather_.occlusion_aware = options.occlusion_aware;
+    gather_.choose_light = options.sends_guided_rays();
     gather_.seed = seed;
     rule_.options = &options_;
     rule_.picture_width = std::max(scene.camera().width, scene.camera().height);

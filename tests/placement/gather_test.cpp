@@ -107,6 +107,39 @@ TEST(Gather, AgreesWithPathTracing) {
   }
 }
 
+TEST(Gather, ChoosingPointsOfTheLightLowersTheNoiseAndLeavesTheMean) {
+  constexpr int kRuns = 96;
+  for (const char* name : {"half_box.xml", "cornell_ggx.xml"}) {
+    const Scene scene = test::load_scene(name, 128, 128);
+    double chosen_noise = 0.0, noise = 0.0;
+    for (const RecordSite& site : test::sites_at(scene, kCornellSites)) {
+      const auto value_and_gradient = [&](bool choose_light) {
+        std::vector<Moments> moments(3);
+        for (int run = 0; run < kRuns; ++run) {
+          RayCounts counts;
+          GatherOptions options;
+          options.log2_rays = 10;
+          options.seed = static_cast<std::uint64_t>(2 * run + (choose_light ? 1 : 0));
+          options.occlusion_aware = false;
+          options.choose_light = choose_light;
+          const auto jet = test::entries(gather_radiance(scene, site, options, counts).luminance);
+          for (std::size_t i = 0; i < moments.size(); ++i) moments[i].add(jet[i]);
+        }
+        return moments;
+      };
+      const auto chosen = value_and_gradient(true), plain = value_and_gradient(false);
+      for (std::size_t i = 0; i < chosen.size(); ++i) {
+        const double sigma = std::sqrt((chosen[i].variance() + plain[i].variance()) / kRuns);
+        EXPECT_LT(std::abs(chosen[i].mean() - plain[i].mean()) / sigma, 4.5)
+            << name << ", site " << site.key << ", entry " << i;
+      }
+      chosen_noise += chosen[0].variance() / (plain[0].mean() * plain[0].mean());
+      noise += plain[0].variance() / (plain[0].mean() * plain[0].mean());
+    }
+    EXPECT_LT(chosen_noise, 0.4 * noise) << name;
+  }
+}
+
 TEST(Gather, MoreBouncesBringMoreLight) {
   const Scene scene = test::load_scene("cornell_glossy.xml", 128, 128);
   for (const RecordSite& site : test::sites_at(scene, kCornellSites)) {

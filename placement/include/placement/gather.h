@@ -37,6 +37,8 @@ struct GatherOptions {
   /// Derivatives know how silhouettes move over what is behind them; not those of guided gathers, whose rays
   /// are no grid.
   bool occlusion_aware = true;
+  /// At glossy hits the point of the lights is chosen from several by what the hits reflect of it.
+  bool choose_light = false;
   GatherDirections directions = GatherDirections::kMixture;
   std::uint64_t seed = 0;
 };
