@@ -168,8 +168,10 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
             "--total-derivatives", [&cache] { cache.total_derivative = cache.joint_weight = true; },
             "Those that know it; the default without --preset paper"))
       ->excludes(flat);
-  group(add_choice(command, "--guided", cache.guided, {{"on", true}, {"off", false}},
-                   "Gather rays go where those of nearby records found light, not by the material alone"));
+  group(add_choice(
+      command, "--guided", cache.guided, {{"on", true}, {"off", false}},
+      "Gather rays go where those of nearby records found light, not by the material alone, and the points "
+      "of the lights at glossy hits are chosen from several"));
   group(add_choice(command, "--sampler", cache.sampler,
                    {{"image", Sampler::kImage}, {"surface", Sampler::kSurface}},
                    "Place records by the picture's pixels, or around each other over the surfaces"));
