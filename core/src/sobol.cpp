@@ -80,8 +80,6 @@ U16 sobol_lanes(U16 index, int dimension) {
   return result;
 }
 
-F16 to_unit_interval(U16 fraction) { return to_float(fraction >> 8) * 0x1p-24f; }
-
 // Reversed points of the unscrambled sequence, shared by all nets.
 const std::vector<std::uint32_t>& reversed_table(int dimension, int log2_count) {
   static std::array<std::array<std::vector<std::uint32_t>, 21>, kSobolDimensions> tables;
@@ -122,10 +120,7 @@ Sample4 padded_sobol(U16 index, U16 seed) {
   const U16 point = reverse_bits(shuffled);
   Sample4 result;
   for (int d = 0; d < kSobolDimensions; ++d) {
-    U16 s = seed ^ (0x9e3779b9u * static_cast<std::uint32_t>(d + 1));
-    s = (s ^ (s >> 16)) * 0x7feb352du;
-    s = (s ^ (s >> 15)) * 0x846ca68bu;
-    s ^= s >> 16;
+    const U16 s = mix32(seed ^ (0x9e3779b9u * static_cast<std::uint32_t>(d + 1)));
     result.u[d] = to_unit_interval(scramble(sobol_lanes(point, d), s));
   }
   return result;

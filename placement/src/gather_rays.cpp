@@ -36,16 +36,7 @@ UnitJet16 masked(I16 mask, const UnitJet16& j) {
 
 /// In [0, 1), by hashing.
 F16 random_of(F16 u1, F16 u2) {
-  U16 x = std::bit_cast<U16>(bits(u1)) * 0x9e3779b9u + std::bit_cast<U16>(bits(u2));
-  x = (x ^ (x >> 16)) * 0x7feb352du;
-  x = (x ^ (x >> 15)) * 0x846ca68bu;
-  return to_float((x ^ (x >> 16)) >> 8) * 0x1p-24f;
-}
-
-LightSample16 select(I16 mask, const LightSample16& a, const LightSample16& b) {
-  return {(mask & a.valid) | (~mask & b.valid), select(mask, a.direction, b.direction),
-          select(mask, a.distance, b.distance), select(mask, a.radiance, b.radiance),
-          select(mask, a.pdf, b.pdf)};
+  return to_unit_interval(mix32(std::bit_cast<U16>(bits(u1)) * 0x9e3779b9u + std::bit_cast<U16>(bits(u2))));
 }
 
 /// The luminance of f cos_i, times radiance that arrives.
@@ -53,10 +44,7 @@ F16 reflected_luminance(const std::vector<Bsdf>& bsdfs, I16 active, I16 material
                         const V3x16& radiance) {
   F16 result{};
   for_each_distinct(active, material, [&](I16 mask, std::size_t id) {
-    V3x16 f_cos{};
-    for (const Lobe& lobe : bsdfs[id].lobes)
-      std::visit([&](const auto& l) { f_cos += tint(l, d) * shape(l, d); }, lobe);
-    result = select(mask, luminance(f_cos * radiance), result);
+    result = select(mask, luminance(f_cos(bsdfs[id], d) * radiance), result);
   });
   return result;
 }

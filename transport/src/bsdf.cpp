@@ -32,21 +32,21 @@ Rgb Bsdf::albedo() const {
   return sum;
 }
 
+V3x16 f_cos(const Bsdf& bsdf, const Directions16& d) {
+  V3x16 sum{};
+  for (const Lobe& lobe : bsdf.lobes)
+    std::visit([&](const auto& l) { sum += tint(l, d) * shape(l, d); }, lobe);
+  return sum;
+}
+
 BsdfValue16 evaluate_bsdf(const std::vector<Bsdf>& bsdfs, I16 active, I16 material, const Directions16& d) {
   BsdfValue16 result{};
   for_each_distinct(active, material, [&](I16 mask, std::size_t id) {
-    V3x16 value{};
-    F16 density{};
     const Bsdf& bsdf = bsdfs[id];
-    for (std::size_t i = 0; i < bsdf.lobes.size(); ++i) {
-      std::visit(
-          [&](const auto& lobe) {
-            value += tint(lobe, d) * shape(lobe, d);
-            density += bsdf.probabilities[i] * pdf(lobe, d);
-          },
-          bsdf.lobes[i]);
-    }
-    result.f_cos = select(mask, value, result.f_cos);
+    F16 density{};
+    for (std::size_t i = 0; i < bsdf.lobes.size(); ++i)
+      density += bsdf.probabilities[i] * std::visit([&](const auto& lobe) { return pdf(lobe, d); }, bsdf.lobes[i]);
+    result.f_cos = select(mask, f_cos(bsdf, d), result.f_cos);
     result.pdf = select(mask, density, result.pdf);
   });
   return result;

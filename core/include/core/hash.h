@@ -13,6 +13,14 @@ namespace vrc {
   return v ^ (v >> 31);
 }
 
+/// A bijective mixer of 32 bits, of a number or of lanes of them (lowbias32 of [Wellons2018]).
+template <typename U>
+[[nodiscard]] constexpr U mix32(U v) {
+  v = (v ^ (v >> 16)) * 0x7feb352du;
+  v = (v ^ (v >> 15)) * 0x846ca68bu;
+  return v ^ (v >> 16);
+}
+
 /// Random numbers are keyed by what they are for: hash(seed, purpose, pixel, ...).
 template <typename... Keys>
 [[nodiscard]] constexpr std::uint64_t hash(std::uint64_t first, Keys... rest) {

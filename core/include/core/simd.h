@@ -67,6 +67,8 @@ using U16 = Lanes16<std::uint32_t>;
 [[nodiscard]] inline F16 max(F16 a, F16 b) { return select(a > b, a, b); }
 [[nodiscard]] inline F16 max(F16 a, float b) { return max(a, splat(b)); }
 [[nodiscard]] inline F16 min(F16 a, float b) { return min(a, splat(b)); }
+/// A 32-bit fraction as a float in [0, 1).
+[[nodiscard]] inline F16 to_unit_interval(U16 fraction) { return to_float(fraction >> 8) * 0x1p-24f; }
 /// The nearest coordinate of a sample in [0, 1).
 [[nodiscard]] inline F16 within_unit(F16 u) { return min(max(u, 0.0f), 0x1.fffffep-1f); }
 [[nodiscard]] inline F16 abs(F16 v) { return from_bits(bits(v) & 0x7fffffff); }

@@ -31,6 +31,9 @@ void for_each_distinct(I16 active, I16 ids, const Body& body) {
   }
 }
 
+/// f cos_i, the sum over lobes.
+[[nodiscard]] V3x16 f_cos(const Bsdf& bsdf, const Directions16& d);
+
 struct BsdfValue16 {
   V3x16 f_cos;  ///< f cos_i; 0 in lanes without scattering.
   F16 pdf;      ///< Of sample_bsdf, per solid angle.

@@ -27,6 +27,12 @@ struct LightSample16 {
   F16 pdf;         ///< Per solid angle; 0 for lights that no BSDF sample can hit.
 };
 
+[[nodiscard]] inline LightSample16 select(I16 mask, const LightSample16& yes, const LightSample16& no) {
+  return {select(mask, yes.valid, no.valid), select(mask, yes.direction, no.direction),
+          select(mask, yes.distance, no.distance), select(mask, yes.radiance, no.radiance),
+          select(mask, yes.pdf, no.pdf)};
+}
+
 /// What rays from a surface met of the lights.
 struct MetLight16 {
   I16 valid{};       ///< Met an emitter or the environment.
