@@ -30,6 +30,7 @@ constexpr double kPriorDeviation = 0.4, kMostCalibration = 4.0;
 constexpr double kPriorEdges = 4.0;        // pixels with edges that `accepted` counts for
 constexpr std::size_t kFewestAtOnce = 64;  // pixels
 constexpr float kSignificant = 9.0f;       // squared deviations by which a single pixel stands out
+constexpr float kUnusualNoise = 16.0f;     // over the usual one around, at which a gather counts half
 
 int log2_rays_of_half(double error) {
   const double rays = kHalfRays / (error * error);
@@ -291,12 +292,24 @@ void HardPixels::for_each_alike(const Pixel& pixel, const Body& body) const {
   }
 }
 
+float HardPixels::Around::trust(float noise_of_one) const {
+  return 1.0f / (1.0f + noise_of_one / std::max(kUnusualNoise * usual_noise, 1e-20f));
+}
+
 HardPixels::Around HardPixels::around(const Pixel& pixel) const {
   Around a;
-  float all = 0.0f, squares = 0.0f, detail_squares = 0.0f;
+  float all = 0.0f, gathered = 0.0f, squares = 0.0f, detail_squares = 0.0f;
   for_each_alike(pixel, [&](float weight, const Sampled* s) {
     all += weight;
     if (s == nullptr || !s->hard) return;
+    gathered += weight;
+    a.usual_noise += weight * std::sqrt(s->noise);
+  });
+  if (gathered == 0.0f) return a;
+  a.usual_noise *= a.usual_noise / (gathered * gathered);
+  for_each_alike(pixel, [&](float weight, const Sampled* s) {
+    if (s == nullptr || !s->hard) return;
+    weight *= a.trust(s->noise);
     a.weight += weight;
     squares += weight * weight;
     a.residual += weight * s->residual;
@@ -306,18 +319,18 @@ HardPixels::Around HardPixels::around(const Pixel& pixel) const {
     a.detail += weight * s->detail;
     detail_squares += weight * weight * s->detail * s->detail;
   });
-  if (a.weight == 0.0f) return a;
   const float scale = 1.0f / a.weight;
   a.residual *= scale;
   for (float& d : a.difference) d *= scale;
-  // What the records tell counts as the pixel itself once more.
-  a.bias = std::max(a.bias + relative_error_of(facts_[index_of(pixel)]), 0.0f) / (a.weight + 1.0f);
+  // What the records tell counts as the pixel itself once more, and noise does not make less of it.
+  const float by_records = relative_error_of(facts_[index_of(pixel)]);
+  a.bias = std::max(a.bias + by_records, by_records) / (a.weight + 1.0f);
   a.noise *= scale;
   // Only what stands out from its own scatter: else single pixels would keep their noise.
   a.sure_detail = std::max(scale * (a.detail - std::sqrt(detail_squares)), 0.0f);
   a.detail = std::max(scale * a.detail, 0.0f);
   a.noise_of_mean = a.noise * squares * scale * scale;
-  a.share = std::min(1.0f, 2.0f * a.weight / all);
+  a.share = std::min(1.0f, 2.0f * gathered / all);
   return a;
 }
 
@@ -329,7 +342,8 @@ void HardPixels::find_detail() {
     const Around a = around(s.pixel);
     // Each half against the other's mean; what a half's own noise adds to its mean is taken out.
     detail[i] =
-        (a.difference[0] - s.difference[1]) * (a.difference[1] - s.difference[0]) + 4.0f / a.weight * s.noise;
+        (a.difference[0] - s.difference[1]) * (a.difference[1] - s.difference[0]) +
+        4.0f * a.trust(s.noise) / a.weight * s.noise;
   });
   for (std::size_t i = 0; i < sampled_.size(); ++i) sampled_[i].detail = detail[i];
 }

@@ -71,6 +71,10 @@ class HardPixels {
     float bias = 0.0f, noise = 0.0f, detail = 0.0f;
     float sure_detail = 0.0f;    ///< Of `detail`, what is more than its scatter.
     float noise_of_mean = 0.0f;  ///< Of the mean of `residual`.
+    float usual_noise = 0.0f;    ///< Squared mean of the noises' roots.
+
+    /// By what a gather's weight is multiplied: one that found a rare bright thing would spoil the means.
+    [[nodiscard]] float trust(float noise_of_one) const;
   };
 
   struct Correction {
