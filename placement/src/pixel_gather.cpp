@@ -15,7 +15,8 @@ constexpr int kLog2FirstRays = 12, kLog2MoreRays = 11;  // of the coarser lattic
 
 /// What a packet's hits send to the camera.
 V3x16 reflected(const GatherRays& rays, const GatherPacket16& packet) {
-  return f_cos(rays.bsdf(), rays.directions_at_record(packet)) * packet.inverse_density * packet.incident.value;
+  return f_cos(rays.bsdf(), rays.directions_at_record(packet)) * packet.inverse_density *
+         packet.incident.value;
 }
 
 /// The points of a lattice's pixel centres: at multiples of `step` in both directions but not of `without`.

@@ -341,9 +341,8 @@ void HardPixels::find_detail() {
     if (!s.hard) return;
     const Around a = around(s.pixel);
     // Each half against the other's mean; what a half's own noise adds to its mean is taken out.
-    detail[i] =
-        (a.difference[0] - s.difference[1]) * (a.difference[1] - s.difference[0]) +
-        4.0f * a.trust(s.noise) / a.weight * s.noise;
+    detail[i] = (a.difference[0] - s.difference[1]) * (a.difference[1] - s.difference[0]) +
+                4.0f * a.trust(s.noise) / a.weight * s.noise;
   });
   for (std::size_t i = 0; i < sampled_.size(); ++i) sampled_[i].detail = detail[i];
 }

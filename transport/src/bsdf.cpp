@@ -45,7 +45,8 @@ BsdfValue16 evaluate_bsdf(const std::vector<Bsdf>& bsdfs, I16 active, I16 materi
     const Bsdf& bsdf = bsdfs[id];
     F16 density{};
     for (std::size_t i = 0; i < bsdf.lobes.size(); ++i)
-      density += bsdf.probabilities[i] * std::visit([&](const auto& lobe) { return pdf(lobe, d); }, bsdf.lobes[i]);
+      density +=
+          bsdf.probabilities[i] * std::visit([&](const auto& lobe) { return pdf(lobe, d); }, bsdf.lobes[i]);
     result.f_cos = select(mask, f_cos(bsdf, d), result.f_cos);
     result.pdf = select(mask, density, result.pdf);
   });
