@@ -297,7 +297,7 @@ class RecordPlacer::Placement {
   }
 
   /// Gives all records as many rays as new ones have, and more to those that miss the noise goal. Those of
-  /// the first round, whose rays had little to guide them, get other ones.
+  /// the first round, whose rays had little to guide them, do not keep these then.
   void add_rays() {
     if (factory_.holds_only_harmonics()) return;
     badly_guided_.resize(result_.records.size(),
@@ -309,7 +309,7 @@ class RecordPlacer::Placement {
       const int doublings = std::max(log2_rays_at(record.site, log2_rays_) - has, 0);
       const bool keep_own = badly_guided_[i] == 0;
       if (control_.stopped()) return;
-      if (doublings > 0 || !keep_own) {
+      if (doublings > 0) {
         const double wanted =
             static_cast<double>(record.rays) * (std::exp2(doublings) - (keep_own ? 1.0 : 0.0));
         const int log2_rays = std::min(static_cast<int>(std::lround(std::log2(wanted))), kMostLog2Rays);

@@ -167,10 +167,10 @@ class Renderer {
     const RadianceCache cache(std::move(placed.charts), std::move(placed.records), placed.reaches,
                               std::move(placed.brdfs));
     const std::size_t tiles = (layout_.count() + kTimedTile - 1) / kTimedTile;
-    const PhaseTimer timer("shading");
     std::vector<RayCounts> counts(tiles);
     Image image(scene_.camera().width, scene_.camera().height, layers_.names);
     std::vector<PixelFacts> facts(facts_.size());
+    const PhaseTimer timer("shading");
     parallel_for(tiles, [&](std::size_t i) { shade_tile(i * kTimedTile, &cache, image, facts, counts[i]); });
     const double scale = static_cast<double>(layout_.count()) / static_cast<double>(tiles);
     WorkAfterRecords work;

@@ -9,6 +9,10 @@ namespace vrc {
 namespace {
 
 constexpr double kFirstError = 0.2, kLeastError = 1e-4;
+// What as much work as the first round's costs afterwards, over what that took: it had to look at the
+// picture, and many of its records lie where any error needs them. A first step, of at most so much, tells
+// better.
+constexpr double kFurtherWork = 0.3, kTrialStep = 1.5;
 constexpr double kSlack = 0.05;             // of the time, for what takes longer than planned
 constexpr double kFinishing = 2.0;          // making a cache of the records and shading, over shading alone
 constexpr double kMostForHardPixels = 0.3;  // of the time
@@ -24,8 +28,9 @@ double cover_within_time(RecordPlacer& placer, double seconds, const PhaseTimer&
                          const RunControl& control, const std::function<WorkAfterRecords()>& measure) {
   double error = kFirstError;
   placer.cover(error);
-  double per_work = clock.elapsed().seconds;  // seconds for as much work as the first round was
-  double work = 1.0;
+  double per_work =
+      kFurtherWork * clock.elapsed().seconds;  // seconds for as much work as the first round was
+  double work = 1.0, largest_step = kTrialStep;
   const WorkAfterRecords after = measure();
   while (!control.stopped() && error > kLeastError) {
     const double now = clock.elapsed().seconds;
@@ -40,13 +45,14 @@ double cover_within_time(RecordPlacer& placer, double seconds, const PhaseTimer&
       return per_work * work * (placer.relative_work(e) - 1.0) < share * left_with(e);
     };
     double step = 1.0;
-    while (step < kLargestStep && fits(error / (step * kStep))) step *= kStep;
+    while (step < largest_step && fits(error / (step * kStep))) step *= kStep;
     if (step < kSmallestStep) break;
     error /= step;
     const double factor = placer.relative_work(error);
     placer.cover(error);
     per_work = (clock.elapsed().seconds - now) / (work * (factor - 1.0));
     work *= factor;
+    largest_step = kLargestStep;
   }
   return error;
 }
