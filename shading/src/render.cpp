@@ -17,7 +17,7 @@
 namespace vrc {
 namespace {
 
-constexpr double kDisagreeing = 0.01;   // hard pixels without edges, of all, before it is known
+constexpr double kDisagreeing = 0.03;   // hard pixels without edges, of all, before it is known
 constexpr std::size_t kTimedTile = 16;  // one of so many tells the time for shading
 
 constexpr int kDirectSamplesWithCache = 4;  // light samples per camera sample where the rest has no noise
