@@ -323,8 +323,7 @@ HardPixels::Around HardPixels::around(const Pixel& pixel) const {
   a.residual *= scale;
   for (float& d : a.difference) d *= scale;
   // What the records tell counts as the pixel itself once more, and noise does not make less of it.
-  const float by_records = relative_error_of(facts_[index_of(pixel)]);
-  a.bias = std::max(a.bias + by_records, by_records) / (a.weight + 1.0f);
+  a.bias = (std::max(a.bias, 0.0f) + relative_error_of(facts_[index_of(pixel)])) / (a.weight + 1.0f);
   a.noise *= scale;
   // Only what stands out from its own scatter: else single pixels would keep their noise.
   a.sure_detail = std::max(scale * (a.detail - std::sqrt(detail_squares)), 0.0f);

@@ -28,9 +28,8 @@ double cover_within_time(RecordPlacer& placer, double seconds, const PhaseTimer&
                          const RunControl& control, const std::function<WorkAfterRecords()>& measure) {
   double error = kFirstError;
   placer.cover(error);
-  double per_work =
-      kFurtherWork * clock.elapsed().seconds;  // seconds for as much work as the first round was
-  double work = 1.0, largest_step = kTrialStep;
+  double work = 1.0;  // the first round's
+  double per_work = kFurtherWork * clock.elapsed().seconds;
   const WorkAfterRecords after = measure();
   while (!control.stopped() && error > kLeastError) {
     const double now = clock.elapsed().seconds;
@@ -44,6 +43,7 @@ double cover_within_time(RecordPlacer& placer, double seconds, const PhaseTimer&
     const auto fits = [&](double e) {
       return per_work * work * (placer.relative_work(e) - 1.0) < share * left_with(e);
     };
+    const double largest_step = work > 1.0 ? kLargestStep : kTrialStep;
     double step = 1.0;
     while (step < largest_step && fits(error / (step * kStep))) step *= kStep;
     if (step < kSmallestStep) break;
@@ -52,7 +52,6 @@ double cover_within_time(RecordPlacer& placer, double seconds, const PhaseTimer&
     placer.cover(error);
     per_work = (clock.elapsed().seconds - now) / (work * (factor - 1.0));
     work *= factor;
-    largest_step = kLargestStep;
   }
   return error;
 }
