@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scene_run.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <iostream>
 
@@ -15,6 +17,8 @@
 
 namespace vrc {
 namespace {
+
+constexpr double kLate = 1.05;  // times the time that was given, from which on that is told
 
 /// Without a cache, the picture alone.
 void write_overlay(const std::filesystem::path& path, const RenderResult& result, const Display& display) {
@@ -144,6 +148,13 @@ int finish_run(const RenderArguments& arguments, SceneRun& run, const PhaseTimer
   report.cpu_seconds = process_cpu_seconds();
   if (arguments.stats) write_file_atomically(*arguments.stats, stats_json(report));
   std::cout << summary_line(report) << std::endl;
+  const double taken = report.seconds - report.stats.phases.back().seconds;
+  if (arguments.seconds > 0.0 && taken > kLate * arguments.seconds && !arguments.quiet) {
+    std::cerr << fmt::format(
+        "vrc: note: --time {:g} is less than this picture takes, which was {:.1f} s; give fewer --spp or a "
+        "smaller --size\n",
+        arguments.seconds, taken);
+  }
   if (!report.stats.unfinished) return kExitDone;
   std::cerr << "vrc: interrupted: the files are unfinished\n";
   return kExitInterrupted;

@@ -53,9 +53,9 @@ void add_open(const TileRecords& records, Tile& result) {
 }  // namespace
 
 Tile find_open_samples(const Scene& scene, const FilmSampler& film, const RadianceCache& cache,
-                       const std::vector<Pixel>& pixels, bool supersample_edges, RayCounts& counts) {
+                       const std::vector<Pixel>& pixels, int further_edge_samples, RayCounts& counts) {
   Tile result;
-  for_each_traced(scene, film, pixels, supersample_edges, counts,
+  for_each_traced(scene, film, pixels, further_edge_samples, counts,
                   [&](const Tile& tile) { add_open(TileRecords(cache, tile), result); });
   return result;
 }

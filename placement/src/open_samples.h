@@ -20,7 +20,7 @@ struct OpenSample {
 /// Packets of the camera samples of pixels, one for each entry of `pixels`, with lanes that no region
 /// reaches, widened kWideSupport times; only these scatter.
 [[nodiscard]] Tile find_open_samples(const Scene& scene, const FilmSampler& film, const RadianceCache& cache,
-                                     const std::vector<Pixel>& pixels, bool supersample_edges,
+                                     const std::vector<Pixel>& pixels, int further_edge_samples,
                                      RayCounts& counts);
 
 /// Those of them that no region reaches of a cache with more records.

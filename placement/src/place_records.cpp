@@ -22,6 +22,7 @@ namespace {
 constexpr int kLog2PilotRays = 10;
 constexpr double kNoiseLimit = 2.5;             // of the accepted noise: beyond it a record is gathered again
 constexpr double kLeastNoise = 1e-9;            // relative: where all is dark there is none, which is known
+constexpr std::size_t kRecordsAtOnce = 128;     // at most, where there may be enough soon
 constexpr std::size_t kFewestToLearnFrom = 64;  // records, whose noise tells how many rays others need
 // Passes over the samples that the points miss: a block of pixels gets at most one record in each, line by
 // line a tile. Blocks become smaller, since one record may show many others.
@@ -72,19 +73,26 @@ class RecordPlacer::Placement {
       chooser_ = std::make_unique<FrontChooser>(*charts_, points_);
   }
 
-  void cover(double error) {
+  bool cover(double error, const std::function<bool()>& enough) {
     const PhaseTimer timer("place records");
     if (noise_ == 0.0 && result_.scale.log2_rays == 0) pilot();
     rule_.mean_luminance = result_.scale.mean_luminance;
     options_.error = error;
     set_rays(error);
     if (options_.gather_rays == 0) noise_goal_ = {kNoiseLimit * accepted_noise(error), rule_.mean_luminance};
-    if (!result_.records.empty() && !earlier_) add_rays();
+    if (!result_.records.empty() && !earlier_) add_rays(enough);
     if (options_.records > 0)
       reach_count();
     else
-      sweep(threshold(options_.error), *chooser_);
+      sweep_until(enough);
     add_time(timer);
+    return all_covered();
+  }
+
+  [[nodiscard]] double open_share() const {
+    std::size_t open = 0;
+    for (std::size_t i = 0; i < points_.size(); ++i) open += points_.is_open(i) ? 1 : 0;
+    return static_cast<double>(open) / static_cast<double>(std::max<std::size_t>(points_.size(), 1));
   }
 
   [[nodiscard]] double relative_work(double error) const {
@@ -100,9 +108,9 @@ class RecordPlacer::Placement {
     return copy;
   }
 
-  PlacementResult finish() {
+  PlacementResult finish(const std::function<bool()>& enough) {
     const PhaseTimer timer("place records");
-    if (options_.records == 0 && !result_.unfinished) cover_samples();
+    if (options_.records == 0 && !result_.unfinished) cover_samples(enough);
     reach_widely(result_);
     add_time(timer);
     if (options_.joint_fit) {
@@ -297,13 +305,21 @@ class RecordPlacer::Placement {
   }
 
   /// Gives all records as many rays as new ones have, and more to those that miss the noise goal. Those of
-  /// the first round, whose rays had little to guide them, do not keep these then.
-  void add_rays() {
+  /// the first round, whose rays had little to guide them, do not keep these then. Stops when `enough` says
+  /// so.
+  void add_rays(const std::function<bool()>& enough) {
     if (factory_.holds_only_harmonics()) return;
     badly_guided_.resize(result_.records.size(),
                          badly_guided_.empty() && options_.sends_guided_rays() ? 1 : 0);
-    std::vector<RayCounts> counts(result_.records.size());
-    parallel_for(counts.size(), [&](std::size_t i) {
+    for (std::size_t first = 0; first < result_.records.size() && !(enough && enough());
+         first += kRecordsAtOnce)
+      add_rays(first, std::min(first + kRecordsAtOnce, result_.records.size()));
+  }
+
+  void add_rays(std::size_t first, std::size_t end) {
+    std::vector<RayCounts> counts(end - first);
+    parallel_for(counts.size(), [&](std::size_t k) {
+      const std::size_t i = first + k;
       RadianceRecord& record = result_.records[i];
       const auto has = static_cast<int>(std::lround(std::log2(static_cast<double>(record.rays))));
       const int doublings = std::max(log2_rays_at(record.site, log2_rays_) - has, 0);
@@ -313,11 +329,11 @@ class RecordPlacer::Placement {
         const double wanted =
             static_cast<double>(record.rays) * (std::exp2(doublings) - (keep_own ? 1.0 : 0.0));
         const int log2_rays = std::min(static_cast<int>(std::lround(std::log2(wanted))), kMostLog2Rays);
-        factory_.add_rays(record, gather_, log2_rays, keep_own, counts[i], guides_);
+        factory_.add_rays(record, gather_, log2_rays, keep_own, counts[k], guides_);
         badly_guided_[i] = 0;
       }
       if (const int more = log2_rays_against_noise(record); (std::uint64_t{1} << more) > record.rays)
-        factory_.add_rays(record, gather_, more, false, counts[i], guides_);
+        factory_.add_rays(record, gather_, more, false, counts[k], guides_);
     });
     for (const RayCounts& c : counts) result_.counts += c;
   }
@@ -347,21 +363,19 @@ class RecordPlacer::Placement {
     shape_and_cover(0);
   }
 
-  [[nodiscard]] bool all_covered() const {
-    for (std::size_t i = 0; i < points_.size(); ++i) {
-      if (points_.is_open(i)) return false;
-    }
-    return true;
-  }
+  [[nodiscard]] bool all_covered() const { return open_share() == 0.0; }
 
-  /// Covers every visible point at a threshold, keeping the records there are; stops at `limit` records.
+  /// Covers every visible point at a threshold, keeping the records there are; stops at `limit` records, or
+  /// when `enough` says so.
   void sweep(double epsilon, PointChooser& chooser,
-             std::size_t limit = std::numeric_limits<std::size_t>::max()) {
+             std::size_t limit = std::numeric_limits<std::size_t>::max(),
+             const std::function<bool()>& enough = {}) {
+    const std::size_t at_once = enough ? kRecordsAtOnce : limit;
     spread(epsilon);
     chooser.start();
-    while (result_.records.size() < limit && !result_.unfinished) {
+    while (result_.records.size() < limit && !result_.unfinished && !(enough && enough())) {
       const std::vector<std::uint32_t> chosen =
-          chooser.choose(result_.records, limit - result_.records.size());
+          chooser.choose(result_.records, std::min(limit - result_.records.size(), at_once));
       if (chosen.empty()) break;
       const std::size_t first = result_.records.size();
       make_at(chosen, factory_);
@@ -373,6 +387,15 @@ class RecordPlacer::Placement {
       control_.report(
           {"place records", progress, result_.records.size(), result_.counts.gather + result_.counts.shadow});
     }
+  }
+
+  /// Covers every visible point for the accepted error; stops when `enough` says so.
+  void sweep_until(const std::function<bool()>& enough) {
+    constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
+    // What is left open then should lie everywhere, not beyond a front.
+    OrderedChooser ordered(points_);
+    sweep(threshold(options_.error), enough ? static_cast<PointChooser&>(ordered) : *chooser_, kNoLimit,
+          enough);
   }
 
   /// Lowers the threshold step by step, keeping all records, until the wanted number is reached; then
@@ -424,16 +447,20 @@ class RecordPlacer::Placement {
       result.reaches.push_back(std::move(reach));
   }
 
-  /// Slivers between the points: what no region reaches even when widened gets records.
-  void cover_samples() {
+  /// Slivers between the points: what no region reaches even when widened gets records, until there are
+  /// enough.
+  void cover_samples(const std::function<bool()>& enough = {}) {
     const TileLayout layout = {view_.x0, view_.y0, view_.x1, view_.y1};
     std::vector<std::size_t> tiles(layout.count());
     std::iota(tiles.begin(), tiles.end(), std::size_t{0});
     std::vector<Tile> still(layout.count());
     // A record that was moved out of a crease or holds harmonics of another normal may leave its sample open.
     std::unordered_set<std::uint64_t> tried;
+    const int further =
+        options_.supersample_edges ? further_edge_samples(view_.film->samples_per_pixel()) : 0;
     const int rounds = options_.overture ? kSampleRounds : kSampleRoundsByLine;
-    for (int round = 0; round < rounds && !tiles.empty() && !result_.unfinished; ++round) {
+    for (int round = 0; round < rounds && !tiles.empty() && !result_.unfinished && !(enough && enough());
+         ++round) {
       reach_widely(result_);
       const RadianceCache cache(charts_, result_.records, result_.reaches, factory_.brdfs());
       std::vector<std::vector<OpenSample>> open(tiles.size());
@@ -441,8 +468,7 @@ class RecordPlacer::Placement {
       parallel_for(tiles.size(), [&](std::size_t i) {
         const std::vector<Pixel> pixels = pixels_of(layout, tiles[i]);
         Tile& samples = still[tiles[i]];
-        samples = round == 0 ? find_open_samples(scene_, *view_.film, cache, pixels,
-                                                 options_.supersample_edges, counts[i])
+        samples = round == 0 ? find_open_samples(scene_, *view_.film, cache, pixels, further, counts[i])
                              : still_open(cache, samples);
         open[i] =
             choose_open_samples(samples, pixels.front(), std::max(kTileSize >> round, kSmallestBlock), tried);
@@ -505,10 +531,15 @@ RecordPlacer::RecordPlacer(const Scene& scene, const PlacementView& view, const 
 
 RecordPlacer::~RecordPlacer() = default;
 
-void RecordPlacer::cover(double error) { placement_->cover(error); }
+bool RecordPlacer::cover(double error, const std::function<bool()>& enough) {
+  return placement_->cover(error, enough);
+}
+double RecordPlacer::open_share() const { return placement_->open_share(); }
 double RecordPlacer::relative_work(double error) const { return placement_->relative_work(error); }
 PlacementResult RecordPlacer::snapshot() const { return placement_->snapshot(); }
-PlacementResult RecordPlacer::finish() { return placement_->finish(); }
+PlacementResult RecordPlacer::finish(const std::function<bool()>& enough) {
+  return placement_->finish(enough);
+}
 
 int log2_rays_for(int rays) {
   return std::max(kFewestLog2Rays, static_cast<int>(std::bit_width(static_cast<unsigned>(rays - 1))));

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "core/hash.h"
 #include "core/parallel.h"
@@ -29,6 +30,7 @@ constexpr float kSimilarNormal = 0.9f, kSimilarBrightness = 1.5f;
 constexpr double kPriorDeviation = 0.4, kMostCalibration = 4.0;
 constexpr double kPriorEdges = 4.0;        // pixels with edges that `accepted` counts for
 constexpr std::size_t kFewestAtOnce = 64;  // pixels
+constexpr double kMostForSurvey = 0.2;     // of a time that is to be filled
 constexpr float kSignificant = 9.0f;       // squared deviations by which a single pixel stands out
 constexpr float kUnusualNoise = 16.0f;     // over the usual one around, at which a gather counts half
 
@@ -60,24 +62,28 @@ HardPixels::HardPixels(const Scene& scene, const FilmSampler& film, const Radian
       options_(options),
       guides_(guides_of(scene, cache)),
       gatherer_(scene, guides_, options.bounces, hash(options.seed, 0x4a2du)),
-      sampled_at_(facts.size(), -1) {}
+      scale_(facts.size()),
+      sampled_at_(facts.size(), -1) {
+  const auto width = static_cast<std::size_t>(scene.camera().width);
+  parallel_for(facts.size() / width, [&](std::size_t row) {
+    for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
+      scale_[i] = static_cast<float>(
+          std::max(perceived(static_cast<double>(facts[i].luminance), options.mean_luminance), 1e-15));
+    }
+  });
+}
 
 std::size_t HardPixels::index_of(const Pixel& p) const {
   return static_cast<std::size_t>(p.y) * static_cast<std::size_t>(scene_.camera().width) +
          static_cast<std::size_t>(p.x);
 }
 
-float HardPixels::scale_of(const PixelFacts& facts) const {
-  return static_cast<float>(
-      std::max(perceived(static_cast<double>(facts.luminance), options_.mean_luminance), 1e-15));
+float HardPixels::relative_error_of(std::size_t index) const {
+  return facts_[index].squared_error / square_scale_of(index);
 }
 
-float HardPixels::relative_error_of(const PixelFacts& facts) const {
-  return facts.squared_error / square_scale_of(facts);
-}
-
-bool HardPixels::is_hard(const PixelFacts& facts) const {
-  return facts.sees_edge || relative_error_of(facts) > accepted();
+bool HardPixels::is_hard(std::size_t index) const {
+  return facts_[index].sees_edge || relative_error_of(index) > accepted();
 }
 
 float HardPixels::accepted() const {
@@ -91,49 +97,60 @@ std::vector<HardPixels::Sampled> HardPixels::survey(const TileLayout& layout) co
   for (std::size_t i = 0; i < layout.count(); ++i) {
     const std::vector<Pixel> tile = pixels_of(layout, i);
     const Pixel& pixel = tile[hash(options_.seed, 0x50b7e4u, i) % tile.size()];
-    const PixelFacts& facts = facts_[index_of(pixel)];
-    if (facts.region >= 0) result.push_back(Sampled{.pixel = pixel, .tile = i, .hard = is_hard(facts)});
+    const std::size_t index = index_of(pixel);
+    if (facts_[index].region >= 0)
+      result.push_back(Sampled{.pixel = pixel, .tile = i, .hard = is_hard(index)});
   }
+  std::ranges::stable_sort(result, {}, [&](const Sampled& s) { return hash(options_.seed, s.tile); });
   return result;
 }
 
 std::vector<HardPixels::Sampled> HardPixels::candidates(const TileLayout& layout) const {
-  std::vector<Sampled> result;
+  struct Candidate {
+    bool hard;
+    float error;
+    Pixel pixel;
+    std::uint32_t tile;
+  };
+  std::vector<Candidate> found;
   for (std::size_t i = 0; i < layout.count(); ++i) {
     for (const Pixel& pixel : pixels_of(layout, i)) {
-      const PixelFacts& facts = facts_[index_of(pixel)];
-      if (facts.region >= 0 && sampled_at_[index_of(pixel)] < 0 && (options_.seconds > 0.0 || is_hard(facts)))
-        result.push_back(Sampled{.pixel = pixel, .tile = i, .hard = true});
+      const std::size_t index = index_of(pixel);
+      if (facts_[index].region < 0 || sampled_at_[index] >= 0) continue;
+      const bool hard = is_hard(index);
+      if (hard || options_.seconds > 0.0)
+        found.push_back({hard, relative_error_of(index), pixel, static_cast<std::uint32_t>(i)});
     }
   }
   if (options_.seconds > 0.0) {
-    std::ranges::stable_sort(result, std::greater(), [&](const Sampled& s) {
-      const PixelFacts& facts = facts_[index_of(s.pixel)];
-      return std::pair(is_hard(facts), relative_error_of(facts));
-    });
+    std::ranges::stable_sort(found, std::greater(),
+                             [](const Candidate& c) { return std::pair(c.hard, c.error); });
   }
+  std::vector<Sampled> result;
+  result.reserve(found.size());
+  for (const Candidate& c : found) result.push_back(Sampled{.pixel = c.pixel, .tile = c.tile, .hard = true});
   return result;
 }
 
-void HardPixels::gather_hard(const TileLayout& layout, const PhaseTimer& timer, const RunControl& control,
-                             RayCounts& counts) {
-  const std::vector<Sampled> all = candidates(layout);
+void HardPixels::gather_within(double share, const PhaseTimer& timer, const std::vector<Sampled>& all,
+                               const RunControl& control, RayCounts& counts) {
   if (options_.seconds == 0.0) return gather(all, control, counts);
-  // Half of what the time seems to be enough for at a time.
-  double spent = timer.elapsed().seconds;
-  double cost = spent / static_cast<double>(std::max<std::size_t>(sampled_.size(), 1));
+  double now = timer.elapsed().seconds;
   for (std::size_t next = 0; next < all.size() && !control.stopped();) {
-    const double affordable = (options_.seconds - spent) / cost;
-    if (affordable < kFewestAtOnce) break;
-    const std::size_t count =
-        std::min(all.size() - next, std::max(static_cast<std::size_t>(0.5 * affordable), kFewestAtOnce));
+    // Half of what the time seems to be enough for.
+    std::size_t count = kFewestAtOnce;
+    if (seconds_per_pixel_ > 0.0) {
+      const double affordable = (share * options_.seconds - now) / seconds_per_pixel_;
+      if (affordable < kFewestAtOnce) break;
+      count = std::max(static_cast<std::size_t>(0.5 * affordable), kFewestAtOnce);
+    }
+    count = std::min(all.size() - next, count);
     gather({all.begin() + static_cast<std::ptrdiff_t>(next),
             all.begin() + static_cast<std::ptrdiff_t>(next + count)},
            control, counts);
     next += count;
-    const double now = timer.elapsed().seconds;
-    cost = (now - spent) / static_cast<double>(count);
-    spent = now;
+    const double before = std::exchange(now, timer.elapsed().seconds);
+    seconds_per_pixel_ = (now - before) / static_cast<double>(count);
   }
 }
 
@@ -194,7 +211,7 @@ void HardPixels::gather_in_tile(std::span<Sampled> chosen, RayCounts& counts) co
   std::vector<Pixel> pixels;
   for (const Sampled& s : chosen) pixels.push_back(s.pixel);
   std::vector<std::vector<SurfacePoint16>> points(pixels.size());
-  for_each_traced(scene_, film_, pixels, options_.supersample_edges, counts, [&](const Tile& tile) {
+  for_each_traced(scene_, film_, pixels, options_.further_edge_samples, counts, [&](const Tile& tile) {
     std::size_t at = 0;  // the tile holds some of the pixels in their order
     for (std::size_t i = 0; i < tile.pixels.size(); ++i, ++at) {
       while (index_of(pixels[at]) != index_of(tile.pixels[i])) ++at;
@@ -205,7 +222,8 @@ void HardPixels::gather_in_tile(std::span<Sampled> chosen, RayCounts& counts) co
   PixelGatherer::Surfaces surfaces;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     Sampled& s = chosen[i];
-    const PixelFacts& facts = facts_[index_of(s.pixel)];
+    const std::size_t index = index_of(s.pixel);
+    const PixelFacts& facts = facts_[index];
     const float* pixel = image_.pixel(s.pixel.x, s.pixel.y) + first_;
     const Rgb interpolated(pixel[0], pixel[1], pixel[2]);
     const int log2_rays =
@@ -221,7 +239,7 @@ void HardPixels::gather_in_tile(std::span<Sampled> chosen, RayCounts& counts) co
       for (int c = 0; c < 3; ++c)
         light[c] = static_cast<float>(sum[static_cast<std::size_t>(c)] / facts.samples);
       residual += 0.5f * (light - interpolated);
-      const float difference = (luminance(light) - facts.luminance) / scale_of(facts);
+      const float difference = (luminance(light) - facts.luminance) / scale_[index];
       s.difference[half] += share * (difference - s.difference[half]);
     }
     s.residual += share * (residual - s.residual);
@@ -244,7 +262,7 @@ void HardPixels::calibrate(const TileLayout& layout) {
     if (s.hard) continue;
     measured += static_cast<double>(s.bias);
     squares += static_cast<double>(s.bias) * static_cast<double>(s.bias);
-    estimated += static_cast<double>(relative_error_of(facts_[index_of(s.pixel)]));
+    estimated += static_cast<double>(relative_error_of(index_of(s.pixel)));
     ++pixels;
   }
   const auto least = static_cast<float>(std::max(edge_error / edges, 0.0));
@@ -260,7 +278,7 @@ void HardPixels::calibrate(const TileLayout& layout) {
       PixelFacts& facts = facts_[index_of(p)];
       facts.squared_error *= static_cast<float>(factor);
       if (facts.sees_edge)
-        facts.squared_error = std::max(facts.squared_error, least * square_scale_of(facts));
+        facts.squared_error = std::max(facts.squared_error, least * square_scale_of(index_of(p)));
     }
   });
 }
@@ -275,11 +293,12 @@ void HardPixels::for_each_alike(const Pixel& pixel, const Body& body) const {
   }();
   const Camera& camera = scene_.camera();
   const PixelFacts& own = facts_[index_of(pixel)];
+  const float own_scale = scale_[index_of(pixel)];
   for (int y = std::max(pixel.y - kAround, 0); y <= std::min(pixel.y + kAround, camera.height - 1); ++y) {
     for (int x = std::max(pixel.x - kAround, 0); x <= std::min(pixel.x + kAround, camera.width - 1); ++x) {
       const std::size_t index = index_of({x, y});
       const PixelFacts& other = facts_[index];
-      const float brightness = scale_of(other) / scale_of(own);
+      const float brightness = scale_[index] / own_scale;
       if (other.region != own.region || other.sees_edge != own.sees_edge ||
           other.normal.dot(own.normal) < kSimilarNormal || brightness > kSimilarBrightness ||
           brightness * kSimilarBrightness < 1.0f)
@@ -323,7 +342,7 @@ HardPixels::Around HardPixels::around(const Pixel& pixel) const {
   a.residual *= scale;
   for (float& d : a.difference) d *= scale;
   // What the records tell counts as the pixel itself once more, and noise does not make less of it.
-  a.bias = (std::max(a.bias, 0.0f) + relative_error_of(facts_[index_of(pixel)])) / (a.weight + 1.0f);
+  a.bias = (std::max(a.bias, 0.0f) + relative_error_of(index_of(pixel))) / (a.weight + 1.0f);
   a.noise *= scale;
   // Only what stands out from its own scatter: else single pixels would keep their noise.
   a.sure_detail = std::max(scale * (a.detail - std::sqrt(detail_squares)), 0.0f);
@@ -351,7 +370,7 @@ HardPixels::Correction HardPixels::correction_of(const Pixel& pixel) const {
   if (a.weight == 0.0f) return {};
   const float mean_share = a.share * ratio(a.bias, a.noise_of_mean);
   const float unmoved = 1.0f - mean_share;
-  Correction result{mean_share * a.residual, unmoved * unmoved * relative_error_of(facts_[index_of(pixel)]) +
+  Correction result{mean_share * a.residual, unmoved * unmoved * relative_error_of(index_of(pixel)) +
                                                  mean_share * mean_share * a.noise_of_mean};
   const std::int32_t at = sampled_at_[index_of(pixel)];
   if (at >= 0 && sampled_[static_cast<std::size_t>(at)].hard) {
@@ -369,12 +388,25 @@ HardPixels::Correction HardPixels::correction_of(const Pixel& pixel) const {
   return result;
 }
 
+std::vector<std::uint8_t> HardPixels::near_hard() const {
+  std::vector<std::uint8_t> near(facts_.size(), 0);
+  const Camera& camera = scene_.camera();
+  for (const Sampled& s : sampled_) {
+    if (!s.hard) continue;
+    const int x0 = std::max(s.pixel.x - kAround, 0), x1 = std::min(s.pixel.x + kAround, camera.width - 1);
+    for (int y = std::max(s.pixel.y - kAround, 0); y <= std::min(s.pixel.y + kAround, camera.height - 1); ++y)
+      std::fill_n(near.begin() + static_cast<std::ptrdiff_t>(index_of({x0, y})), x1 - x0 + 1, 1);
+  }
+  return near;
+}
+
 void HardPixels::blend(const TileLayout& layout) {
   // Corrections look at the estimates of pixels around, so these are replaced when all are known.
   std::vector<float> errors(facts_.size(), -1.0f);
+  const std::vector<std::uint8_t> near = near_hard();
   parallel_for(layout.count(), [&](std::size_t i) {
     for (const Pixel& p : pixels_of(layout, i)) {
-      if (facts_[index_of(p)].region < 0) continue;
+      if (facts_[index_of(p)].region < 0 || near[index_of(p)] == 0) continue;
       const Correction correction = correction_of(p);
       errors[index_of(p)] = correction.error;
       float* pixel = image_.pixel(p.x, p.y) + first_;
@@ -382,7 +414,7 @@ void HardPixels::blend(const TileLayout& layout) {
     }
   });
   for (std::size_t i = 0; i < facts_.size(); ++i) {
-    if (errors[i] >= 0.0f) facts_[i].squared_error = errors[i] * square_scale_of(facts_[i]);
+    if (errors[i] >= 0.0f) facts_[i].squared_error = errors[i] * square_scale_of(i);
   }
 }
 
@@ -392,7 +424,7 @@ void HardPixels::sum_up(const TileLayout& layout) {
     for (const Pixel& p : pixels_of(layout, i)) {
       const PixelFacts& facts = facts_[index_of(p)];
       if (facts.region < 0) continue;
-      sum += static_cast<double>(facts.total_error() / square_scale_of(facts));
+      sum += static_cast<double>(facts.total_error() / square_scale_of(index_of(p)));
       ++pixels;
     }
   }
@@ -401,9 +433,9 @@ void HardPixels::sum_up(const TileLayout& layout) {
 
 void HardPixels::refine(const TileLayout& layout, const RunControl& control, RayCounts& counts) {
   const PhaseTimer timer("hard pixels");
-  gather(survey(layout), control, counts);
+  gather_within(kMostForSurvey, timer, survey(layout), control, counts);
   calibrate(layout);
-  gather_hard(layout, timer, control, counts);
+  gather_within(1.0, timer, candidates(layout), control, counts);
   find_detail();
   if (options_.seconds == 0.0) gather_further(control, counts);
   if (control.stopped()) return;

@@ -14,10 +14,10 @@
 namespace vrc {
 
 struct HardPixelOptions {
-  double error = 0.03;          ///< Accepted relative error.
-  double mean_luminance = 1.0;  ///< Of the picture's indirect light.
-  double seconds = 0.0;         ///< > 0: wall-clock time to fill, instead of all hard pixels.
-  bool supersample_edges = true;
+  double error = 0.03;           ///< Accepted relative error.
+  double mean_luminance = 1.0;   ///< Of the picture's indirect light.
+  double seconds = 0.0;          ///< > 0: wall-clock time to fill, instead of all hard pixels.
+  int further_edge_samples = 0;  ///< As the pixels were shaded with.
   int bounces = 1;
   std::uint64_t seed = 0;
 };
@@ -83,13 +83,16 @@ class HardPixels {
   };
 
   [[nodiscard]] float accepted() const;  ///< Relative squared error up to which pixels are not hard.
-  [[nodiscard]] bool is_hard(const PixelFacts& facts) const;
+  [[nodiscard]] bool is_hard(std::size_t index) const;
+  /// One pixel of each tile, in an order of which every beginning is spread over the picture.
   [[nodiscard]] std::vector<Sampled> survey(const TileLayout& layout) const;
   /// All hard pixels or, where time is to be filled, all pixels, the hardest first; without those gathered so
   /// far.
   [[nodiscard]] std::vector<Sampled> candidates(const TileLayout& layout) const;
-  void gather_hard(const TileLayout& layout, const PhaseTimer& timer, const RunControl& control,
-                   RayCounts& counts);
+  /// Gathers at all of these pixels or, where time is to be filled, at the first ones, until it is up to
+  /// `share`.
+  void gather_within(double share, const PhaseTimer& timer, const std::vector<Sampled>& all,
+                     const RunControl& control, RayCounts& counts);
   /// Gathers more rays where what was gathered leaves pixels hard.
   void gather_further(const RunControl& control, RayCounts& counts);
   /// Gathers at the chosen pixels, with more rays at those that have some, and puts them into `sampled_`.
@@ -104,14 +107,13 @@ class HardPixels {
   [[nodiscard]] Around around(const Pixel& pixel) const;
   void find_detail();
   [[nodiscard]] Correction correction_of(const Pixel& pixel) const;
+  /// 1 for pixels that one of the hard ones may correct.
+  [[nodiscard]] std::vector<std::uint8_t> near_hard() const;
   void blend(const TileLayout& layout);
   void sum_up(const TileLayout& layout);
   [[nodiscard]] std::size_t index_of(const Pixel& p) const;
-  [[nodiscard]] float scale_of(const PixelFacts& facts) const;  ///< `perceived` luminance.
-  [[nodiscard]] float square_scale_of(const PixelFacts& facts) const {
-    return scale_of(facts) * scale_of(facts);
-  }
-  [[nodiscard]] float relative_error_of(const PixelFacts& facts) const;  ///< Squared, at the samples.
+  [[nodiscard]] float square_scale_of(std::size_t index) const { return scale_[index] * scale_[index]; }
+  [[nodiscard]] float relative_error_of(std::size_t index) const;  ///< Squared, at the samples.
 
   const Scene& scene_;
   const FilmSampler& film_;
@@ -121,10 +123,12 @@ class HardPixels {
   HardPixelOptions options_;
   GuideField guides_;
   PixelGatherer gatherer_;
+  std::vector<float> scale_;  ///< `perceived` luminance of each pixel of the film.
   std::vector<Sampled> sampled_;
   std::vector<std::int32_t> sampled_at_;  ///< Per pixel of the film: its entry, or -1.
   std::size_t count_ = 0;                 ///< Of hard ones.
   double relative_error_ = 0.0;
+  double seconds_per_pixel_ = 0.0;  ///< Of the latest gathers; 0: not known.
 };
 
 }  // namespace vrc

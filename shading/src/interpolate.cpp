@@ -31,7 +31,8 @@ struct WeightedSum {
     const F16 scale = 1.0f / max(weight, 1e-20f);
     const F16 mean = luminance * scale;
     const F16 disagreement = max(luminance2 * scale - mean * mean, 0.0f);
-    return {radiance * scale, kErrorOfSpread * disagreement + kErrorOfNoise * (noise * scale * scale)};
+    return {radiance * scale, ~(weight > 0.0f),
+            kErrorOfSpread * disagreement + kErrorOfNoise * (noise * scale * scale)};
   }
 };
 
@@ -66,14 +67,14 @@ Interpolated16 interpolate(const TileRecords& records, std::size_t packet, int t
   if (!any(p.scatters)) return {};
   const V3x16 to_viewer = -records.tile().packets[packet].direction;
   PacketResponse response(records.cache().brdfs().get(), p, to_viewer);
-  const WeightedSum near = blend_records(records, packet, taylor_order, support, support, response);
-  Interpolated16 result = near.blend();
-  const I16 missed = p.scatters & ~(near.weight > 0.0f);
-  if (any(missed)) {
+  Interpolated16 result = blend_records(records, packet, taylor_order, support, support, response).blend();
+  result.open &= p.scatters;
+  if (const I16 missed = result.open; any(missed)) {
     const Interpolated16 wide =
         blend_records(records, packet, taylor_order, kWideSupport, support, response).blend();
     result.radiance = select(missed, wide.radiance, result.radiance);
     result.squared_error = select(missed, wide.squared_error, result.squared_error);
+    result.open &= wide.open;
   }
   return result;
 }

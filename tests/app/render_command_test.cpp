@@ -100,6 +100,15 @@ TEST_F(RenderCommand, ChoosesTheErrorByTheTime) {
   EXPECT_LT(error_within("1.5"), error_within("0.01"));
 }
 
+TEST_F(RenderCommand, SaysWhenATimeIsNotEnough) {
+  const auto hasty = run_vrc({"render", scene_, "--spp", "2", "-o", at("a.exr"), "--time", "0.01"});
+  EXPECT_EQ(hasty.exit_code, 0);
+  EXPECT_THAT(hasty.err, HasSubstr("--time 0.01"));
+  const auto patient = run_vrc({"render", scene_, "--spp", "2", "-o", at("a.exr"), "--time", "3"});
+  EXPECT_EQ(patient.exit_code, 0);
+  EXPECT_THAT(patient.err, testing::Not(HasSubstr("--time")));
+}
+
 TEST_F(RenderCommand, RefusesATimeBesideOtherWaysToSayHowMuch) {
   for (const auto& other :
        {std::array{"--error", "0.1"}, std::array{"--records", "10"}, std::array{"--method", "path"}}) {

@@ -239,6 +239,41 @@ TEST(RecordPlacer, KeepsItsRecordsWhenTheErrorIsLowered) {
   EXPECT_EQ(uncovered_samples(picture, cache), 0u);
 }
 
+TEST(RecordPlacer, StopsWhenThereAreEnough) {
+  const Picture picture("cornell_glossy.xml", 64);
+  const RunControl control;
+  for (const Sampler sampler : kSamplers) {
+    RecordPlacer placer(picture.scene, picture.view, cheap(0, sampler), 1, 1, control);
+    int asked = 0;
+    EXPECT_FALSE(placer.cover(0.05, [&] { return ++asked > 2; }));
+    const double open = placer.open_share();
+    EXPECT_GT(open, 0.0);
+    EXPECT_LT(open, 0.9);
+    // What is open lies everywhere.
+    std::array<int, 4> records_of_quarter{};
+    for (const RadianceRecord& record : placer.snapshot().records) {
+      const Vec2 film = picture.scene.camera().film_position(record.site.point.position);
+      ++records_of_quarter[(film.x() < 32.0 ? 0u : 1u) + (film.y() < 32.0 ? 0u : 2u)];
+    }
+    for (const int count : records_of_quarter) EXPECT_GT(count, 0);
+    EXPECT_TRUE(placer.cover(0.05));
+    EXPECT_EQ(placer.open_share(), 0.0);
+    const PlacementResult placed = placer.finish();
+    const RadianceCache cache(placed.charts, placed.records, placed.reaches, placed.brdfs);
+    EXPECT_EQ(uncovered_samples(picture, cache), 0u);
+  }
+}
+
+TEST(RecordPlacer, LeavesSamplesOpenWhenThereAreEnough) {
+  const Picture picture("curved_room.xml", 64);
+  const RunControl control;
+  RecordPlacer placer(picture.scene, picture.view, {}, 1, 1, control);
+  placer.cover(0.05, [] { return true; });
+  const PlacementResult placed = placer.finish([] { return true; });
+  EXPECT_EQ(placed.records.size(), 0u);
+  EXPECT_FALSE(placed.unfinished);
+}
+
 TEST(SeesEdge, TellsPixelsWithSeveralSurfaces) {
   const Picture picture("half_box.xml", 64);
   const TileLayout layout = {0, 0, 64, 64};

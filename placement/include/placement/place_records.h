@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "core/run_control.h"
@@ -65,14 +66,18 @@ class RecordPlacer {
 
   /// Covers every visible point with records for this accepted error, or with the options' number of them.
   /// The records there are stay; if the error is lower than before, they get the rays that it asks for beside
-  /// their own.
-  void cover(double error);
+  /// their own. Stops early, with points left open all over the picture, when `enough` says so. Returns
+  /// whether all are covered.
+  bool cover(double error, const std::function<bool()>& enough = {});
+  /// Of the visible points, the share that no record covers.
+  [[nodiscard]] double open_share() const;
   /// About the work for records of this accepted error over that for those there are.
   [[nodiscard]] double relative_work(double error) const;
   /// What there is, as it can be shaded, every sample covered or not; covering may go on.
   [[nodiscard]] PlacementResult snapshot() const;
-  /// What there is, every sample covered, all refined. Only once.
-  [[nodiscard]] PlacementResult finish();
+  /// What there is, all refined. Only once. Before, camera samples that lie between the covered points get
+  /// records, too, until `enough` says so.
+  [[nodiscard]] PlacementResult finish(const std::function<bool()>& enough = {});
 
  private:
   class Placement;

@@ -72,11 +72,11 @@ inline constexpr int kMostEdgeSamples = 128;
 [[nodiscard]] inline int further_edge_samples(int samples) {
   return std::max(0, std::min(8 * samples, kMostEdgeSamples) - samples);
 }
-/// Calls body(tile) for the packets of all pixels of a tile, and with `supersample_edges` then for the
-/// further ones of those that see one. Returns which do.
+/// Calls body(tile) for the packets of all pixels of a tile, then for those of `further` samples more of the
+/// pixels that see an edge. Returns which do.
 template <typename Body>
 std::vector<Pixel> for_each_traced(const Scene& scene, const FilmSampler& film, std::vector<Pixel> pixels,
-                                   bool supersample_edges, RayCounts& counts, const Body& body) {
+                                   int further, RayCounts& counts, const Body& body) {
   std::vector<Pixel> edges;
   for_each_range(film, [&](const PacketRange& range) {
     const Tile tile = trace_tile(scene, film, pixels, range, counts);
@@ -87,8 +87,7 @@ std::vector<Pixel> for_each_traced(const Scene& scene, const FilmSampler& film, 
     }
     body(tile);
   });
-  const int further = further_edge_samples(film.samples_per_pixel());
-  if (supersample_edges && !edges.empty() && further > 0) {
+  if (!edges.empty() && further > 0) {
     const FilmSampler finer = film.further(further);
     for_each_range(finer,
                    [&](const PacketRange& range) { body(trace_tile(scene, finer, edges, range, counts)); });

@@ -9,6 +9,7 @@ namespace vrc {
 /// What records say about sixteen points. All 0 where none applies.
 struct Interpolated16 {
   V3x16 radiance{};  ///< Outgoing.
+  I16 open{};        ///< The points scatter, but no record reaches them.
   /// Of its luminance, estimated from how far the blended records disagree and how noisy they are.
   F16 squared_error{};
 };
