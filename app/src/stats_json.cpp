@@ -97,6 +97,8 @@ Json json_of(const RunReport& report) {
       {"records_needing_sh", report.classes.needs_sh},
       {"records_by_curvature", std::move(reasons)},
       {"hard_pixels", stats.hard_pixels},
+      {"light_samples", stats.light_samples},
+      {"edge_samples", stats.edge_samples},
       {"accepted_error", stats.error},
       {"relative_error", stats.relative_error},
       {"gather_rays", stats.gather_rays},

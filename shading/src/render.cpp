@@ -43,6 +43,8 @@ class Renderer {
     result.stats.shadow_rays = counts_.shadow;
     result.stats.camera_rays = counts_.camera;
     result.stats.other_rays = counts_.other;
+    result.stats.light_samples = shader_.light_samples(timed_.effort);
+    result.stats.edge_samples = options_.samples_per_pixel + shader_.further_edge_samples(timed_.effort);
     result.stats.unfinished |= control_.stopped();
     result.cache = std::move(cache_);
     return result;

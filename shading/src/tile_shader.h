@@ -41,7 +41,9 @@ class TileShader {
 
   [[nodiscard]] bool wants_direct() const { return wants_direct_; }
   [[nodiscard]] bool wants_indirect() const { return wants_indirect_; }
-  /// Samples beyond the others' that pixels with edges get.
+  /// Of direct light, for each camera sample.
+  [[nodiscard]] int light_samples(ShadingEffort effort) const;
+  /// Camera samples beyond the others' that pixels with edges get.
   [[nodiscard]] int further_edge_samples(ShadingEffort effort) const;
 
   /// The layers of these pixels, which lie together and are 0, but for R, G, B and `error`, and their facts.
@@ -52,7 +54,6 @@ class TileShader {
  private:
   struct Packet;
 
-  [[nodiscard]] int light_samples(ShadingEffort effort) const;
   void shade(const Packet& packet, float* pixel, PixelFacts& facts, RayCounts& counts) const;
   void add_paths(const Packet& packet, int bounces, bool indirect, float* pixel, RayCounts& counts) const;
   void trace_open(const Packet& packet, Interpolated16& light, RayCounts& counts) const;

@@ -87,6 +87,7 @@ TEST_F(RenderCommand, SaysHowLargeItsErrorIs) {
   EXPECT_GT(json.at("relative_error"), 0.0);
   EXPECT_LT(json.at("relative_error"), 1.0);
   EXPECT_GT(json.at("hard_pixels"), 0);
+  EXPECT_EQ(json.at("light_samples"), 4);
   EXPECT_THAT(read_image(at("a.exr")).channels, testing::Contains("error.Y"));
 }
 
@@ -101,9 +102,13 @@ TEST_F(RenderCommand, ChoosesTheErrorByTheTime) {
 }
 
 TEST_F(RenderCommand, SaysWhenATimeIsNotEnough) {
-  const auto hasty = run_vrc({"render", scene_, "--spp", "2", "-o", at("a.exr"), "--time", "0.01"});
+  const auto hasty =
+      run_vrc({"render", scene_, "--spp", "2", "-o", at("a.exr"), "--stats", at("a.json"), "--time", "0.01"});
   EXPECT_EQ(hasty.exit_code, 0);
   EXPECT_THAT(hasty.err, HasSubstr("--time 0.01"));
+  const auto json = nlohmann::json::parse(test::read_file(at("a.json")));
+  EXPECT_EQ(json.at("light_samples"), 1);
+  EXPECT_EQ(json.at("edge_samples"), 2);
   const auto patient = run_vrc({"render", scene_, "--spp", "2", "-o", at("a.exr"), "--time", "3"});
   EXPECT_EQ(patient.exit_code, 0);
   EXPECT_THAT(patient.err, testing::Not(HasSubstr("--time")));

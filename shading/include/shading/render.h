@@ -51,6 +51,8 @@ struct RenderStats {
   std::uint64_t camera_rays = 0;
   std::uint64_t other_rays = 0;   ///< Bounces of paths.
   std::uint64_t hard_pixels = 0;  ///< Gathered again, as records show them badly.
+  int light_samples = 0;          ///< Of direct light, for each camera sample; a short time leaves one.
+  int edge_samples = 0;           ///< Camera samples of pixels with edges; likewise those of others.
   double error = 0.0;             ///< Accepted: that of the options, or what their time was enough for.
   double relative_error = 0.0;    ///< Estimated, of the indirect light: HardPixels.
   bool unfinished = false;        ///< Interrupted: the picture holds what there was.
