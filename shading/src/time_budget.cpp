@@ -20,10 +20,10 @@ constexpr double kSlack = 0.05;  // of the time, for what takes longer than plan
 constexpr double kFinishing = 1.3, kCoveringSamples = 0.7;
 // Of the time, for hard pixels; less where records are so coarse that they gain more.
 constexpr double kMostForHardPixels = 0.3, kMostBesideCoarse = 0.15, kCoarseError = 0.05;
-constexpr double kLeastForHardPixels = 0.1;  // and beside open points
-constexpr double kMostForFirst = 0.35;       // of the time, for records until the other work is known
-constexpr double kMostForShading = 0.55;     // of the time, before it is shaded with less effort
-constexpr double kSmallLoss = 0.02;          // of the time: by so much records may seem to spare none
+constexpr double kLeastForHardPixels = 0.1;
+constexpr double kMostForFirst = 0.35;    // of the time, for records until the other work is known
+constexpr double kMostForShading = 0.55;  // of the time, before it is shaded with less effort
+constexpr double kSmallLoss = 0.02;       // of the time: by so much records may seem to spare none
 // A round that would take more than this, over the time so far, is halved.
 constexpr double kHalvedRound = 0.5;
 constexpr double kWholeRound = 0.9;  // of what is left, for the last one
@@ -67,7 +67,7 @@ TimedPlacement cover_within_time(RecordPlacer& placer, double seconds, const Pha
           clock.elapsed().seconds + finishing + beside.path_seconds * placer.open_share() / open;
       const bool saves = end < least_end + kSmallLoss * seconds;
       least_end = std::min(least_end, end);
-      return end > (1.0 - kSlack - kLeastForHardPixels) * seconds && !saves;
+      return end > (1.0 - kSlack) * seconds && !saves;
     });
     placing += clock.elapsed().seconds - now;
   }
