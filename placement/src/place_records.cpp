@@ -311,9 +311,9 @@ class RecordPlacer::Placement {
     if (factory_.holds_only_harmonics()) return;
     badly_guided_.resize(result_.records.size(),
                          badly_guided_.empty() && options_.sends_guided_rays() ? 1 : 0);
-    for (std::size_t first = 0; first < result_.records.size() && !(enough && enough());
-         first += kRecordsAtOnce)
-      add_rays(first, std::min(first + kRecordsAtOnce, result_.records.size()));
+    const std::size_t count = result_.records.size(), at_once = enough ? kRecordsAtOnce : count;
+    for (std::size_t first = 0; first < count && !(enough && enough()); first += at_once)
+      add_rays(first, std::min(first + at_once, count));
   }
 
   void add_rays(std::size_t first, std::size_t end) {

@@ -73,10 +73,7 @@ HardPixels::HardPixels(const Scene& scene, const FilmSampler& film, const Radian
   });
 }
 
-std::size_t HardPixels::index_of(const Pixel& p) const {
-  return static_cast<std::size_t>(p.y) * static_cast<std::size_t>(scene_.camera().width) +
-         static_cast<std::size_t>(p.x);
-}
+std::size_t HardPixels::index_of(const Pixel& p) const { return facts_index(scene_.camera(), p); }
 
 float HardPixels::relative_error_of(std::size_t index) const {
   return facts_[index].squared_error / square_scale_of(index);

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "placement/tile.h"
 #include "shading/interpolate.h"
 #include "transport/film_sampler.h"
 
@@ -45,5 +46,14 @@ struct PixelFacts {
 
   static constexpr float kErrorOfNet = 0.3f, kNetConvergence = 1.5f;
 };
+
+/// The facts of a film's pixels are kept row by row.
+[[nodiscard]] inline std::size_t facts_count(const Camera& camera) {
+  return static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+}
+[[nodiscard]] inline std::size_t facts_index(const Camera& camera, const Pixel& p) {
+  return static_cast<std::size_t>(p.y) * static_cast<std::size_t>(camera.width) +
+         static_cast<std::size_t>(p.x);
+}
 
 }  // namespace vrc

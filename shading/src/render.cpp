@@ -24,8 +24,7 @@ class Renderer {
         layers_(options.method == Method::kCache, options.aovs),
         film_(scene.camera(), scene.film(), options.samples_per_pixel, options.seed),
         shader_(scene, options, film_, layers_, control),
-        facts_(static_cast<std::size_t>(scene.camera().width) *
-               static_cast<std::size_t>(scene.camera().height)) {
+        facts_(facts_count(scene.camera())) {
     const Camera& camera = scene.camera();
     const CropWindow window = options.crop.value_or(CropWindow{0, 0, camera.width, camera.height});
     layout_ = {window.x0, window.y0, window.x1, window.y1};
@@ -119,14 +118,11 @@ class Renderer {
 
   /// R, G, B from the wanted layers, and the layer `error`.
   void compose(Image& image) const {
-    const auto width = static_cast<std::size_t>(scene_.camera().width);
     for (int y = layout_.y0; y < layout_.y1; ++y) {
       for (int x = layout_.x0; x < layout_.x1; ++x) {
         float* pixel = image.pixel(x, y);
-        if (layers_.error >= 0) {
-          const std::size_t index = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x);
-          pixel[layers_.error] = std::sqrt(facts_[index].total_error());
-        }
+        if (layers_.error >= 0)
+          pixel[layers_.error] = std::sqrt(facts_[facts_index(scene_.camera(), {x, y})].total_error());
         for (int c = 0; c < 3; ++c) {
           pixel[c] = (shader_.wants_direct() ? pixel[layers_.direct + c] : 0.0f) +
                      (shader_.wants_indirect() ? pixel[layers_.indirect + c] : 0.0f);

@@ -69,10 +69,7 @@ int TileShader::light_samples(ShadingEffort effort) const {
 
 void TileShader::shade(const std::vector<Pixel>& pixels, const LightSources& sources, Image& image,
                        std::span<PixelFacts> facts, RayCounts& counts) const {
-  const auto facts_of = [&](const Pixel& p) -> PixelFacts& {
-    return facts[static_cast<std::size_t>(p.y) * static_cast<std::size_t>(scene_.camera().width) +
-                 static_cast<std::size_t>(p.x)];
-  };
+  const auto facts_of = [&](const Pixel& p) -> PixelFacts& { return facts[facts_index(scene_.camera(), p)]; };
   PixelGatherer::Surfaces surfaces;
   const std::vector<Pixel> edges = for_each_traced(
       scene_, film_, pixels, further_edge_samples(sources.effort), counts, [&](const Tile& tile) {

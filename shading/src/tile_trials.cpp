@@ -29,8 +29,7 @@ TileTrials::TileTrials(const Scene& scene, const FilmSampler& film, const TileSh
       placer_(placer),
       control_(control),
       image_(scene.camera().width, scene.camera().height, layers.names),
-      facts_(static_cast<std::size_t>(scene.camera().width) *
-             static_cast<std::size_t>(scene.camera().height)) {
+      facts_(facts_count(scene.camera())) {
   for (std::size_t i = 0; i < layout.count(); i += kTriedTile) tiles_.push_back(i);
   std::ranges::sort(tiles_, {}, [](std::size_t i) { return hash(0x71eu, i); });
 }
@@ -84,8 +83,7 @@ double TileTrials::shade(bool paths_where_open) {
 void TileTrials::clear(std::size_t tile) {
   for (const Pixel& p : pixels_of(layout_, tile)) {
     std::fill_n(image_.pixel(p.x, p.y), layers_.names.size(), 0.0f);
-    facts_[static_cast<std::size_t>(p.y) * static_cast<std::size_t>(scene_.camera().width) +
-           static_cast<std::size_t>(p.x)] = {};
+    facts_[facts_index(scene_.camera(), p)] = {};
   }
 }
 

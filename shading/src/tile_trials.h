@@ -11,7 +11,7 @@ namespace vrc {
 /// Shades some tiles of a picture with the records of a placer so far, and gathers at some of their pixels.
 class TileTrials : public ShadingTrials {
  public:
-  /// All must outlive it. `options` are those of the picture's cache.
+  /// All must outlive it.
   TileTrials(const Scene& scene, const FilmSampler& film, const TileShader& shader, const Layers& layers,
              const TileLayout& layout, const RenderOptions& options, const RecordPlacer& placer,
              const RunControl& control);

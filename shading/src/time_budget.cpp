@@ -85,13 +85,14 @@ TimedPlacement cover_within_time(RecordPlacer& placer, double seconds, const Pha
     double step = 1.0;
     while (step < largest_step && fits(error / (step * kStep))) step *= kStep;
     if (step < kSmallestStep) break;
-    const double factor = placer.relative_work(error / step);
-    if (!placer.cover(error / step, past(placed_by(error / step)))) {
+    const double next = error / step;
+    const double factor = placer.relative_work(next);
+    if (!placer.cover(next, past(placed_by(next)))) {
       // Worse than expected. What was made serves the last error, too.
       placer.cover(error);
       break;
     }
-    error /= step;
+    error = next;
     per_work = (clock.elapsed().seconds - now) / (work * (factor - 1.0));
     work *= factor;
   }
