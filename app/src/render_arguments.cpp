@@ -3,6 +3,7 @@
 
 #include "cli_values.h"
 #include "display_arguments.h"
+#include "placement/pixel_gather.h"
 #include "placement/presets.h"
 
 namespace vrc {
@@ -101,7 +102,7 @@ void declare_method(CLI::App& command, RenderOptions& render) {
              "Light that the channels R, G, B hold")
       ->group("Picture");
   add_number(
-      command, "--path-rays", render.path_rays, NumberRange<int>{256, 1 << 20},
+      command, "--path-rays", render.path_rays, NumberRange<int>{1 << kFewestLog2PixelRays, 1 << 20},
       "With --method path: so many indirect rays from the points of each pixel's samples, guided by those "
       "of other pixels, instead of one path from each sample",
       "one path")

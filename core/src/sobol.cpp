@@ -127,7 +127,7 @@ Sample4 padded_sobol(U16 index, U16 seed) {
 }
 
 void fill_sobol_grid(SobolGrid& grid, int log2_count, std::uint64_t seed) {
-  VRC_CHECK(log2_count >= 8 && log2_count <= 20, "{} points", log2_count);
+  VRC_CHECK(log2_count >= 4 && log2_count <= 20, "{} points", log2_count);
   const std::size_t count = std::size_t{1} << log2_count;
   grid.columns_log2 = (log2_count + 1) / 2;
   grid.rows_log2 = log2_count / 2;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/sobol.h"
+#include "hit_light.h"
 #include "placement/gather.h"
 #include "placement/guide.h"
 #include "sampling_square.h"
@@ -110,31 +111,20 @@ class GatherRays {
   /// Lanes whose hit is no wall beside the record but the hollow that it lies in (`in_hollow_`).
   [[nodiscard]] I16 in_own_hollow(const V3x16& direction, const SurfacePoint16& hit) const;
   void note_distances(const GatherPacket16& packet, const SurfacePoint16& hit);
-  void add_reflection(I16 active, const SurfacePoint16& hit, const V3x16& m, const V3x16& radiance,
-                      GatherPacket16& packet) const;
-  void add_direct_light(I16 active, const SurfacePoint16& hit, F16 u1, F16 u2, GatherPacket16& packet);
-  void add_sampled_light(I16 active, I16 shared, const SurfacePoint16& hit, F16 u1, F16 u2,
-                         GatherPacket16& packet);
-  [[nodiscard]] LightSample16 sample_light(const SurfacePoint16& hit, F16 u1, F16 u2) const;
-  [[nodiscard]] LightSample16 choose_light(I16 active, const SurfacePoint16& hit, const V3x16& back, F16 u1,
-                                           F16 u2) const;
-  void add_met_light(I16 active, const SurfacePoint16& hit, F16 u1, F16 u2, GatherPacket16& packet);
-  [[nodiscard]] I16 reflectors(I16 active, I16 material, float sharpness) const;
-  void add_bounced_light(I16 active, const SurfacePoint16& hit, std::uint32_t first_index,
-                         GatherPacket16& packet);
+  void add_reflection(const SurfacePoint16& hit, const ArrivingLight16& light, GatherPacket16& packet) const;
 
   const Scene& scene_;
   const GatherOptions& options_;
   RayCounts& counts_;
   SamplingSquare square_;
   const GuideWarp* warp_;
+  HitLight light_;
   RecordFrame frame_;
   V3x16 geometric_normal_, origin_;
   bool in_hollow_ = false;   ///< The derivatives follow a surface that is concave in all directions.
   float facet_ = 0.0f;       ///< Longest edge of the record's triangle.
   std::int32_t region_ = 0;  ///< The record's smooth region.
   std::uint64_t sobol_seed_ = 0;
-  std::uint32_t path_seed_ = 0;
   std::size_t rays_ = 0;
 
   F16 nearest_ = splat(std::numeric_limits<float>::infinity());

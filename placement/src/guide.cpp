@@ -18,7 +18,7 @@ constexpr std::size_t kNeighbours = 8;     // averaged
 constexpr double kDistanceFalloff = 0.05;  // weight 1 / (1 + 0.05 d^2), d in pixels
 constexpr float kBelowOne = 0x1.fffep-1f;  // leaves room for the number of the cell
 constexpr float kUnseen = 1e-2f;           // rays per steradian, of all, that tell nothing
-constexpr float kSameCell = 0.5f;          // of a cell's extent: directions that differ by less are the same
+constexpr float kSameCell = 1.5f;          // of a cell's extent: directions that differ by less are the same
 
 /// Weights 1 2 1 in both directions, within the columns [begin, end), rows wrapping round.
 void smooth_columns(const GuideHistogram& from, int begin, int end, GuideHistogram& to) {
@@ -50,6 +50,8 @@ class Outlook {
     const V3x16 moved = probes(square, strategy, 1.0f) - probes_;
     tolerance_ = (kSameCell * kSameCell) * dot(moved, moved);
     cells_.resize(static_cast<std::size_t>(end() - begin()));
+    if (const auto* power = std::get_if<CosinePowerInverse>(&inverse_))
+      least_cosine_ = power->cosine_at(kUnseen / share());
   }
 
   /// Whether a square's cells lie where its own do, about.
@@ -60,18 +62,20 @@ class Outlook {
   }
 
   void add(const KeptHistogram& found, float weight) {
-    for (std::size_t i = 0; i < cells_.size(); ++i)
-      cells_[i] += weight * found.mean_square(static_cast<std::size_t>(begin()) + i);
+    found.add_to(cells_, static_cast<std::size_t>(begin()), weight);
     weight_ += weight;
   }
 
   /// Adds n L^2 and n, n how densely the gathers looked in a direction.
   void look(const V3x16& direction, F16& squares, F16& densities) const {
+    // Most directions are beyond the narrow lobes, which a cosine tells.
+    if (const auto* power = std::get_if<CosinePowerInverse>(&inverse_);
+        power != nullptr && !any(dot(direction, power->axis()) > least_cosine_))
+      return;
     const SampledFrom16 from = std::visit([&](const auto& inverse) { return inverse(direction); }, inverse_);
-    const float share = strategy_.end - strategy_.begin;
-    const F16 density = select(dot(direction, normal_) > 0.0f, share * from.pdf, F16{});
+    const F16 density = select(dot(direction, normal_) > 0.0f, share() * from.pdf, F16{});
     if (!any(density > kUnseen)) return;
-    const I16 cell = guide_cells(strategy_.begin + share * from.u1, from.u2) - begin();
+    const I16 cell = guide_cells(strategy_.begin + share() * from.u1, from.u2) - begin();
     squares += density * gather(cells_.data(), cell);
     densities += weight_ * density;
   }
@@ -85,6 +89,7 @@ class Outlook {
     const float back = cells / GuideHistogram::kColumns;
     return square.direction(max(u1 - back, s.begin), u2 - floor(u2));
   }
+  [[nodiscard]] float share() const { return strategy_.end - strategy_.begin; }
   [[nodiscard]] int begin() const { return static_cast<int>(strategy_.begin * kColumns) * kRows; }
   [[nodiscard]] int end() const { return static_cast<int>(strategy_.end * kColumns) * kRows; }
 
@@ -93,7 +98,8 @@ class Outlook {
   GatherStrategy strategy_;
   SampleInverse inverse_;
   V3x16 probes_;
-  F16 tolerance_;  ///< Squared, of the probes.
+  float least_cosine_ = 0.0f;  ///< With the axis of a power of a cosine, beyond which nothing is seen.
+  F16 tolerance_;              ///< Squared, of the probes.
   float weight_ = 0.0f;
   std::vector<float> cells_;
 };
@@ -121,26 +127,36 @@ class Findings {
   std::vector<Outlook> outlooks_;
 };
 
-/// What the luminance that arrives from a direction is multiplied by in a gather.
-F16 response(const SamplingSquare& square, const Directions16& d) {
-  F16 sum{};
-  for (const Lobe& lobe : square.bsdf().lobes)
-    std::visit([&](const auto& l) { sum += luminance(tint(l, d)) * shape(l, d); }, lobe);
-  return sum / max(square.pdf(d), 1e-20f);
+/// What the luminance that arrives from a direction is multiplied by in a gather: at the square's own site,
+/// or on average at others that are seen like `views`.
+F16 response(const SamplingSquare& square, std::span<const Directions16> views, const V3x16& direction) {
+  const Directions16 own = square.with_camera(direction);
+  F16 reflected{};
+  for (const Directions16& view : views)
+    reflected += luminance(f_cos(square.bsdf(), directions(view.n, view.wo, direction)));
+  reflected = views.empty() ? luminance(f_cos(square.bsdf(), own))
+                            : reflected * (1.0f / static_cast<float>(views.size()));
+  return reflected / max(square.pdf(own), 1e-20f);
 }
 
 /// Mean squares of what a gather's rays would contribute at the cells' centres, by what others found.
-GuideHistogram contributions(const SamplingSquare& square, const Findings& findings) {
+GuideHistogram contributions(const SamplingSquare& square, const Findings& findings,
+                             std::span<const Directions16> views) {
   constexpr int kColumns = GuideHistogram::kColumns, kRows = GuideHistogram::kRows;
   GuideHistogram result;
-  for (int first = 0; first < GuideHistogram::kCells; first += kLanes) {
-    const F16 u1 = splat((static_cast<float>(first / kRows) + 0.5f) / kColumns);
-    const F16 u2 = (to_float(lane_index()) + (static_cast<float>(first % kRows) + 0.5f)) * (1.0f / kRows);
-    const V3x16 direction = square.direction(u1, u2);
-    const F16 factor = response(square, square.with_camera(direction));
-    const F16 value = factor * factor * findings.mean_square(direction);
-    for (int lane = 0; lane < kLanes; ++lane)
-      result.mean_square[static_cast<std::size_t>(first + lane)] = value[lane];
+  // Packets of 4 x 4 cells: what lies in few directions matters to few of them.
+  const I16 column_in_block = lane_index() & 3, row_in_block = lane_index() >> 2;
+  for (int first_column = 0; first_column < kColumns; first_column += 4) {
+    for (int first_row = 0; first_row < kRows; first_row += 4) {
+      const I16 column = column_in_block + first_column, row = row_in_block + first_row;
+      const V3x16 direction = square.direction((to_float(column) + 0.5f) * (1.0f / kColumns),
+                                               (to_float(row) + 0.5f) * (1.0f / kRows));
+      const F16 factor = response(square, views, direction);
+      const F16 value = factor * factor * findings.mean_square(direction);
+      const I16 cell = column * kRows + row;
+      for (int lane = 0; lane < kLanes; ++lane)
+        result.mean_square[static_cast<std::size_t>(cell[lane])] = value[lane];
+    }
   }
   return result;
 }
@@ -159,6 +175,13 @@ KeptHistogram::KeptHistogram(const GuideHistogram& histogram) {
     const auto bits = std::bit_cast<std::uint32_t>(histogram.mean_square[i]);
     upper_bits_[i] = static_cast<std::uint16_t>((bits + 0x8000u) >> 16);  // to the nearest one
   }
+}
+
+void KeptHistogram::add_to(std::span<float> cells, std::size_t first, float weight) const {
+  const std::uint16_t* const from = upper_bits_.data() + first;
+  float* const to = cells.data();
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    to[i] += weight * std::bit_cast<float>(std::uint32_t{from[i]} << 16);
 }
 
 GuideWarp::GuideWarp(const GuideHistogram& histogram, const std::vector<int>& first_columns) {
@@ -264,7 +287,8 @@ std::vector<GuideField::Near> GuideField::nearest(const RecordSite& site) const 
   return near;
 }
 
-std::unique_ptr<const GuideWarp> GuideField::warp_at(const RecordSite& site, const KeptHistogram* own) const {
+std::unique_ptr<const GuideWarp> GuideField::warp_at(const RecordSite& site, const KeptHistogram* own,
+                                                     std::span<const Directions16> views) const {
   const auto square_of = [&](std::int32_t material, const Vec3& normal, const Vec3& to_camera) {
     return SamplingSquare(scene_.bsdfs()[static_cast<std::size_t>(material)], GatherDirections::kMixture,
                           normal, to_camera);
@@ -279,7 +303,7 @@ std::unique_ptr<const GuideWarp> GuideField::warp_at(const RecordSite& site, con
   }
   if (own != nullptr) findings.add(square, *own, 1.0f);
   if (findings.empty()) return nullptr;
-  return std::make_unique<const GuideWarp>(contributions(square, findings), first_columns(square));
+  return std::make_unique<const GuideWarp>(contributions(square, findings, views), first_columns(square));
 }
 
 }  // namespace vrc

@@ -42,7 +42,7 @@ PackedRecord pack(const RadianceRecord& record) {
   }
   p.gradient_factor = static_cast<float>(record.gradient_factor);
   p.hessian_factor = static_cast<float>(record.hessian_factor);
-  p.variance = static_cast<float>(record.variance());
+  p.variance = static_cast<float>(record.variance() + record.misfit);
   p.turn = record.turn;
   return p;
 }

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kMaximumPictureShare = 0.1;  // [Zhao 5]
 constexpr double kSteepWall = 0.5;            // sine of the least angle between surface and wall
+constexpr double kMisfit = 30.0;              // squared errors beyond the accepted one, by the square of it
 constexpr double kAlongCrease = 6.0;          // times the nearest hit: along the crease of a wall
 
 /// The same surface half a pixel farther from the nearest hit; nothing when the surface ends there or turns
@@ -93,6 +94,13 @@ RegionAxes within_nearest_hit(const RegionAxes& axes, const RadianceRecord& reco
   return intersection(axes, wall / steepness, nearest, kAlongCrease * nearest);
 }
 
+/// Of a polynomial over `widened` times the radius that would do: second-order errors grow as its square.
+double squared_misfit(double widened, double error, double brightness) {
+  if (widened <= 1.0) return 0.0;
+  const double relative = kMisfit * error * error * (std::pow(widened, 4.0) - 1.0);
+  return std::min(relative, 1.0) * brightness * brightness;
+}
+
 }  // namespace
 
 Mat2 half_axes(const ValidRegion& region, const Frame& frame) {
@@ -132,6 +140,10 @@ void shape_record(RadianceRecord& record, const RegionRule& rule) {
                                              kMaximumPictureShare * picture);
       break;
   }
+  record.misfit = rule.options->metric == PlacementMetric::kHessian
+                      ? squared_misfit(site.pixel_length / std::min(axes.radius1, axes.radius2),
+                                       rule.options->error, brightness.value)
+                      : 0.0;
   axes.radius1 = std::max(axes.radius1, site.pixel_length);
   axes.radius2 = std::max(axes.radius2, site.pixel_length);
   ValidRegion& region = record.region;

@@ -116,5 +116,33 @@ TEST(ShapeRecord, KeepsTheRadiiBetweenOnePixelAndATenthOfThePicture) {
   }
 }
 
+TEST(ShapeRecord, TellsWhatRegionsLargerThanTheAccuracyAllowsMiss) {
+  CacheOptions options;
+  options.error = 0.02;
+  RegionRule rule;
+  rule.options = &options;
+  rule.mean_luminance = kMean;
+  const auto misfit_with = [&](double bend) {
+    RadianceRecord record = flat_record(1, 1);
+    record.site.pixel_length = 0.01;
+    record.estimate.luminance.value = 0.5;
+    record.estimate.luminance.hessian = bend * Mat2::Identity();
+    record.estimate.radiance.fill(record.estimate.luminance);
+    shape_record(record, rule);
+    return record.misfit;
+  };
+  // Radii fall as the fourth root of the Hessian, below a pixel from this one on.
+  const double picture = 0.01 * rule.picture_width, pixel = 0.01;
+  const double least =
+      4.0 * rule.epsilon * picture * picture * perceived(0.5, kMean) / (kPi * std::pow(pixel, 4.0));
+  EXPECT_EQ(misfit_with(0.9 * least), 0.0);
+  const double little = misfit_with(2.0 * least), more = misfit_with(3.0 * least);
+  EXPECT_GT(little, 8.0 * options.error * options.error * 0.25);
+  EXPECT_NEAR(more / little, 2.0, 1e-6);  // radius^-4 - 1
+  EXPECT_EQ(misfit_with(1e6 * least), 0.25) << "not more than the light itself";
+  options.metric = PlacementMetric::kUniform;
+  EXPECT_EQ(misfit_with(3.0 * least), 0.0);
+}
+
 }  // namespace
 }  // namespace vrc

@@ -111,6 +111,20 @@ TEST(GuidedPaths, DifferFromPathsByLessNoiseAndNothingElse) {
   }
 }
 
+TEST(GuidedPaths, AreUnbiasedWhereSurfacesBendWithinAPixel) {
+  // Normals turn by up to a tenth over a pixel: rays leave points of other normals than their directions are
+  // for.
+  const Scene scene = test::load_scene("object_torus.xml", 64, 64);
+  const RenderOptions paths = test::options_of(Method::kPath, 256, 1, Component::kIndirect);
+  RenderOptions guided = test::options_of(Method::kPath, 16, 1, Component::kIndirect);
+  guided.path_rays = 128;
+  const BlockMoments a(scene, paths, 500), b(scene, guided, 600);
+  EXPECT_GT(corrected_chance(a, b), 0.001);
+  EXPECT_LT(corrected_chance(a, b, 1.1), 0.001) << "a tenth more light would not be noticed";
+  const RenderOptions few_paths = test::options_of(Method::kPath, 16, 1, Component::kIndirect);
+  EXPECT_LT(total_variance(b), 0.25 * total_variance(BlockMoments(scene, few_paths, 900)));
+}
+
 TEST(GuidedPaths, BounceOnAsPathsDo) {
   const Scene scene = test::load_scene("cornell_glossy.xml", 64, 64);
   RenderOptions paths = test::options_of(Method::kPath, 64, 1, Component::kIndirect);

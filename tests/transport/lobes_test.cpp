@@ -123,8 +123,9 @@ TEST(Lobes, DirectionsTellWhatTheyWereSampledFrom) {
         u2[i] = static_cast<float>(random.uniform(0.0, 1.0));
       }
       const V3x16 wi = with(lobe, [&](const auto& l) { return sample(l, d.n, d.wo, u1, u2); });
-      const SampledFrom16 found =
-          std::visit([&](const auto& inverse) { return inverse(wi); }, inverse_of_sample(lobe, d.n, d.wo));
+      const SampleInverse inverse = inverse_of_sample(lobe, d.n, d.wo);
+      const SampledFrom16 found = std::visit([&](const auto& of) { return of(wi); }, inverse);
+      const auto* power = std::get_if<CosinePowerInverse>(&inverse);
       const F16 density = with(lobe, [&](const auto& l) { return pdf(l, directions(d.n, d.wo, wi)); });
       for (int i = 0; i < kLanes; ++i) {
         // Seen at grazing angles the disk of visible normals is a half; in the middle there is no azimuth.
@@ -133,6 +134,9 @@ TEST(Lobes, DirectionsTellWhatTheyWereSampledFrom) {
         ASSERT_NEAR(found.u1[i], u1[i], 2e-3) << name(lobe);
         ASSERT_LT(std::abs(off - std::round(off)), 2e-3) << name(lobe);
         ASSERT_NEAR(found.pdf[i], density[i], tolerance(lobe) * density[i] + 1e-6) << name(lobe);
+        if (power != nullptr) {
+          ASSERT_NEAR(power->cosine_at(found.pdf[i]), dot(wi, power->axis())[i], 1e-4) << name(lobe);
+        }
       }
     }
   }

@@ -148,6 +148,10 @@ SampledFrom16 CosinePowerInverse::operator()(const V3x16& wi) const {
           power * ((exponent_ + 1.0f) / (2.0f * kPiF))};
 }
 
+float CosinePowerInverse::cosine_at(float pdf) const {
+  return std::pow(pdf * (2.0f * kPiF) / (exponent_ + 1.0f), 1.0f / exponent_);
+}
+
 GgxInverse::GgxInverse(const GgxLobe& lobe, const V3x16& n, const V3x16& wo)
     : lobe_(lobe), n_(n), wo_(wo), frame_(tangents(n)) {
   const VisibleDisk disk(stretched_view(lobe, frame_, n, wo));

@@ -50,7 +50,7 @@ struct SobolGrid {
   }
 };
 
-/// Fills `grid` (reusing its storage) with 2^log2_count points; 8 <= log2_count <= 20.
+/// Fills `grid` (reusing its storage) with 2^log2_count points; 4 <= log2_count <= 20.
 void fill_sobol_grid(SobolGrid& grid, int log2_count, std::uint64_t seed);
 
 }  // namespace vrc

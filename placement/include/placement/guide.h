@@ -2,9 +2,9 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/simd.h"
@@ -27,9 +27,8 @@ class KeptHistogram {
  public:
   explicit KeptHistogram(const GuideHistogram& histogram);
 
-  [[nodiscard]] float mean_square(std::size_t cell) const {
-    return std::bit_cast<float>(std::uint32_t{upper_bits_[cell]} << 16);
-  }
+  /// Adds `weight` times the mean squares of the cells from `first` on.
+  void add_to(std::span<float> cells, std::size_t first, float weight) const;
 
  private:
   std::array<std::uint16_t, GuideHistogram::kCells> upper_bits_;  ///< Of single-precision numbers.
@@ -74,10 +73,12 @@ class GuideField {
 
   /// The warp by what the (up to eight) nearest gathers within 24 pixels found, whatever their materials
   /// and normals: weighted by distance and by how densely each looked in a direction, times what the site's
-  /// BRDF makes of that direction. `own`, unless null, are other rays from the site. Null when there is
+  /// BRDF makes of that direction, or on average the BRDF of points that are seen like `views`, whose
+  /// incident directions do not matter. `own`, unless null, are other rays from the site. Null when there is
   /// nothing.
   [[nodiscard]] std::unique_ptr<const GuideWarp> warp_at(const RecordSite& site,
-                                                         const KeptHistogram* own = nullptr) const;
+                                                         const KeptHistogram* own = nullptr,
+                                                         std::span<const Directions16> views = {}) const;
 
  private:
   struct Entry {

@@ -13,7 +13,7 @@ namespace vrc {
 [[nodiscard]] GuideField guides_of_view(const Scene& scene, const PlacementView& view, int bounces,
                                         std::uint64_t seed, RayCounts& counts);
 
-inline constexpr int kFewestLog2PixelRays = 8;
+inline constexpr int kFewestLog2PixelRays = 7;
 
 /// Estimates the indirect radiance of a pixel without records: guided gather rays from the points that its
 /// camera samples see. Const and thread-safe; the guides must outlive it.
@@ -28,6 +28,7 @@ class PixelGatherer {
     friend class PixelGatherer;
     struct Kind {
       std::int32_t material;
+      bool bends;  ///< Made of several points' BRDFs.
       Vec3 position, normal;
       std::unique_ptr<const GuideWarp> warp;  ///< Null: no record near it.
     };
@@ -41,7 +42,10 @@ class PixelGatherer {
                                              std::uint64_t key, Surfaces& surfaces, RayCounts& counts) const;
 
  private:
-  [[nodiscard]] const GuideWarp* warp_for(const RecordSite& site, Surfaces& surfaces) const;
+  /// `views`: with the normals and the camera of some of the points of a surface that bends; none of a flat
+  /// one.
+  [[nodiscard]] const GuideWarp* warp_for(const RecordSite& site, std::span<const Directions16> views,
+                                          Surfaces& surfaces) const;
 
   const Scene& scene_;
   const GuideField& guides_;

@@ -26,7 +26,7 @@ struct PackedRecord {
   const IncidentHarmonics* harmonics = nullptr;  ///< If the record uses them; what they need beside:
   float in_frame[2][2];                          ///< The half axes in the frame of their derivatives.
   float gradient_factor, hessian_factor;
-  float variance;      ///< Of the gathered luminance.
+  float variance;      ///< Of the gathered luminance, with the record's misfit.
   std::uint32_t turn;  ///< Of the record.
 };
 

@@ -55,7 +55,10 @@ struct RadianceRecord {
   std::shared_ptr<const RecordHarmonics> harmonics;
   HarmonicsReason harmonics_reason = HarmonicsReason::kNone;
   std::shared_ptr<const KeptHistogram> found;  ///< By the gather's rays, for those of others; or null.
-  double clamp_factor = 1.0;                   ///< < 1: how much the crease limit reduced the derivatives.
+  /// Squared error of the luminance that the accepted one does not include, since the region is no smaller
+  /// than a pixel; set with the region.
+  double misfit = 0.0;
+  double clamp_factor = 1.0;  ///< < 1: how much the crease limit reduced the derivatives.
   /// Of spherical harmonics, whose derivatives are limited where they are used.
   double gradient_factor = 1.0, hessian_factor = 1.0;
 

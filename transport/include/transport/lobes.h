@@ -64,6 +64,9 @@ class CosinePowerInverse {
   CosinePowerInverse(const LambertLobe& lobe, const V3x16& n, const V3x16& wo);
   CosinePowerInverse(const PhongLobe& lobe, const V3x16& n, const V3x16& wo);
   [[nodiscard]] SampledFrom16 operator()(const V3x16& wi) const;
+  [[nodiscard]] const V3x16& axis() const { return axis_; }
+  /// Cosine with the axis of the directions that have this density per solid angle.
+  [[nodiscard]] float cosine_at(float pdf) const;
 
  private:
   V3x16 axis_;
