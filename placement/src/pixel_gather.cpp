@@ -21,7 +21,7 @@ constexpr int kLog2FirstRays = 12, kLog2MoreRays = 11;  // of the coarser lattic
 constexpr float kSameFacet = 0.99f;                     // least cosine of a facet's normals
 constexpr float kFlat = 1e-6f;                          // below one, of the cosines of a flat facet's
 constexpr std::size_t kViews = 4;                       // points whose BRDFs make a bent facet's guide
-constexpr std::size_t kChoices = 16;                     // points that a ray of a bent facet may leave
+constexpr std::size_t kChoices = 16;                    // points that a ray of a bent facet may leave
 // Rays of a bent facet that are drawn at their own points, over those that are drawn for all of them.
 constexpr std::size_t kOwnRays = 16;
 
@@ -153,7 +153,7 @@ class FacetRays {
         warp_(warp),
         lift_(static_cast<float>(1e-5 * scene.radius())) {}
 
-  /// A mean over the points from `first` on, or all, of what packets of the facet's net find.
+  /// What a packet of the facet's net finds, on average over some of the points, from `first` on.
   [[nodiscard]] V3x16 along_middle(std::size_t first, const Sample4& u, std::uint32_t index,
                                    const HitLight& light, RayCounts& counts) const {
     F16 density;
@@ -185,7 +185,7 @@ class FacetRays {
            select(active, scale, F16{});
   }
 
-  /// What a bent facet's packets from the square of one point find.
+  /// What a packet finds that is drawn in the square of one point of a facet that bends.
   [[nodiscard]] V3x16 along_own(std::size_t point, const Sample4& u, std::uint32_t index,
                                 const HitLight& light, RayCounts& counts) const {
     const SeenPoint& p = facet_.points[point];
