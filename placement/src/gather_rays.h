@@ -85,10 +85,6 @@ class GatherRays {
     }
   }
 
-  /// Chooses the packet's directions by points of the unit square, which the guide moves; returns their
-  /// density per solid angle.
-  F16 choose_direction(F16 u1, F16 u2, GatherPacket16& packet) const;
-
   /// Traces the packet's directions, which were chosen with `density` per solid angle; `u1` and `u2` choose
   /// the light at the hits, `first_index` names the rays for further bounces. False when no ray found a
   /// surface that reflects: then only `distance` and `tangent_plane` are set.
@@ -107,6 +103,9 @@ class GatherRays {
   void describe_hits(HitDistances& hits) const;
 
  private:
+  /// Chooses the packet's directions by points of the unit square, which the guide moves; returns their
+  /// density per solid angle.
+  F16 choose_direction(F16 u1, F16 u2, GatherPacket16& packet) const;
   [[nodiscard]] V3x16 to_frame(const V3x16& v) const;
   /// Lanes whose hit is no wall beside the record but the hollow that it lies in (`in_hollow_`).
   [[nodiscard]] I16 in_own_hollow(const V3x16& direction, const SurfacePoint16& hit) const;

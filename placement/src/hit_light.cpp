@@ -3,7 +3,7 @@
 
 #include <bit>
 
-#include "core/hash.h"
+#include "weighted_choice.h"
 
 namespace vrc {
 namespace {
@@ -11,11 +11,6 @@ namespace {
 constexpr float kGlossyReflector = 2.0f;  // Phong exponent from which a point of the lights is one of several
 constexpr int kLightPoints = 8;           // of the lattice that (1, 3) / 8 generates
 constexpr float kLightLattice = 3.0f;
-
-/// In [0, 1), by hashing.
-F16 random_of(F16 u1, F16 u2) {
-  return to_unit_interval(mix32(std::bit_cast<U16>(bits(u1)) * 0x9e3779b9u + std::bit_cast<U16>(bits(u2))));
-}
 
 /// The luminance of f cos_i, times radiance that arrives.
 F16 reflected_luminance(const std::vector<Bsdf>& bsdfs, I16 active, I16 material, const Directions16& d,
@@ -69,9 +64,8 @@ LightSample16 HitLight::choose_light(I16 active, const SurfacePoint16& hit, cons
   constexpr float kStep = 1.0f / static_cast<float>(kLightPoints);
   // (u1, u2) is one of the points; which one it is tells nothing of where they lie.
   const F16 number = floor(u1 * static_cast<float>(kLightPoints));
-  F16 choice = (number + random_of(u1, u2)) * kStep;
+  WeightedChoice16 choice((number + random_of(u1, u2)) * kStep);
   LightSample16 chosen{};
-  F16 total{}, chosen_weight{};
   for (int k = 0; k < kLightPoints; ++k) {
     const F16 steps = (static_cast<float>(k) - number) * kStep;
     const F16 v2 = u2 + kLightLattice * steps;
@@ -80,14 +74,9 @@ LightSample16 HitLight::choose_light(I16 active, const SurfacePoint16& hit, cons
     if (!any(valid)) continue;
     const F16 weight = reflected_luminance(scene_.bsdfs(), valid, hit.material,
                                            directions(hit.normal, back, light.direction), light.radiance);
-    total += weight;
-    const F16 share = weight / max(total, 1e-30f);
-    const I16 taken = valid & (choice < share);
-    choice = select(taken, choice / max(share, 1e-20f), (choice - share) / max(1.0f - share, 1e-20f));
-    chosen_weight = select(taken, weight, chosen_weight);
-    chosen = select(taken, light, chosen);
+    chosen = select(choice.offer(weight), light, chosen);
   }
-  chosen.radiance = chosen.radiance * (kStep * total / max(chosen_weight, 1e-30f));
+  chosen.radiance = chosen.radiance * (kStep * choice.total() / max(choice.chosen(), 1e-30f));
   return chosen;
 }
 

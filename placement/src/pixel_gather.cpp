@@ -9,6 +9,7 @@
 #include "gather_rays.h"
 #include "hit_light.h"
 #include "sampling_square.h"
+#include "weighted_choice.h"
 
 namespace vrc {
 namespace {
@@ -22,8 +23,9 @@ constexpr float kSameFacet = 0.99f;                     // least cosine of a fac
 constexpr float kFlat = 1e-6f;                          // below one, of the cosines of a flat facet's
 constexpr std::size_t kViews = 4;                       // points whose BRDFs make a bent facet's guide
 constexpr std::size_t kChoices = 16;                    // points that a ray of a bent facet may leave
-// Rays of a bent facet that are drawn at their own points, over those that are drawn for all of them.
+// Rays of a bent facet that are drawn for all of its points, over those that are drawn at one of them.
 constexpr std::size_t kOwnRays = 16;
+constexpr float kOwnShare = 1.0f / kOwnRays;
 
 /// The points of a lattice's pixel centres: at multiples of `step` in both directions but not of `without`.
 std::vector<RecordSite> lattice_sites(const Scene& scene, const PlacementView& view, int step, int without,
@@ -160,27 +162,22 @@ class FacetRays {
     const V3x16 direction = this->direction(square_, u, density);
     const F16 middle = square_.pdf(square_.with_camera(direction));
     const std::size_t count = facet_.bends ? std::min(facet_.points.size(), kChoices) : 1;
-    F16 choice = random_of(u.u[0], u.u[1]), total{}, weight{};
+    WeightedChoice16 choice(random_of(u.u[0], u.u[1]));
     V3x16 reflected{};
     SeenPoint from = facet_.points[first];
     for (std::size_t k = 0; k < count; ++k) {
       const SeenPoint& p = facet_.points[(first + k) % facet_.points.size()];
       const Directions16 d = p.with_camera(direction);
-      const F16 pdf = middle + own_share() * square_.pdf(d);
+      const F16 pdf = facet_.bends ? middle + kOwnShare * square_.pdf(d) : middle;
       const V3x16 f = select(p.sees(direction) & (pdf > 1e-20f),
                              f_cos(square_.bsdf(), d) * (1.0f / max(pdf, 1e-20f)), V3x16{});
-      const F16 w = luminance(f);
-      total += w;
-      const F16 share = w / max(total, 1e-30f);
-      const I16 taken = (w > 0.0f) & (choice < share);
-      choice = select(taken, choice / max(share, 1e-20f), (choice - share) / max(1.0f - share, 1e-20f));
-      weight = select(taken, w, weight);
+      const I16 taken = choice.offer(luminance(f));
       reflected = select(taken, f, reflected);
       from = merged(taken, p, from);
     }
-    const I16 active = weight > 0.0f;
+    const I16 active = choice.chosen() > 0.0f;
     if (!any(active)) return V3x16{};
-    const F16 scale = total / (max(weight, 1e-30f) * density * static_cast<float>(count));
+    const F16 scale = choice.total() / (max(choice.chosen(), 1e-30f) * density * static_cast<float>(count));
     return reflected * arriving(active, from, direction, u, index, light, counts) *
            select(active, scale, F16{});
   }
@@ -195,22 +192,18 @@ class FacetRays {
     F16 density;
     const V3x16 direction = this->direction(own, u, density);
     const Directions16 d = p.with_camera(direction);
-    const F16 pdf = square_.pdf(square_.with_camera(direction)) + own_share() * own.pdf(d);
+    const F16 pdf = square_.pdf(square_.with_camera(direction)) + kOwnShare * own.pdf(d);
     const I16 active = p.sees(direction) & (pdf > 1e-20f);
     if (!any(active)) return V3x16{};
-    const V3x16 f = f_cos(own.bsdf(), d) * (own_share() / (max(pdf, 1e-20f) * density));
+    const V3x16 f = f_cos(own.bsdf(), d) * (kOwnShare / (max(pdf, 1e-20f) * density));
     return select(active, f, V3x16{}) * arriving(active, p, direction, u, index, light, counts);
   }
 
  private:
-  static F16 random_of(F16 u1, F16 u2) {
-    return to_unit_interval(mix32(std::bit_cast<U16>(bits(u1)) * 0x9e3779b9u + std::bit_cast<U16>(bits(u2))));
-  }
   [[nodiscard]] SamplingSquare square_at(const Vec3& normal, const Vec3& to_camera) const {
     const Bsdf& bsdf = scene_.bsdfs()[static_cast<std::size_t>(facet_.site.point.material)];
     return {bsdf, GatherDirections::kMixture, normal, to_camera};
   }
-  [[nodiscard]] float own_share() const { return facet_.bends ? 1.0f / kOwnRays : 0.0f; }
 
   [[nodiscard]] V3x16 direction(const SamplingSquare& square, const Sample4& u, F16& density) const {
     density = splat(1.0f);

@@ -128,9 +128,12 @@ void shape_record(RadianceRecord& record, const RegionRule& rule) {
                                   rule.options->gradient_share, kMaximumPictureShare * picture);
   const double share = split_sphere_share(rule.epsilon);
   const bool split_sphere = rule.options->metric == PlacementMetric::kSplitSphere;
+  record.misfit = 0.0;
   switch (rule.options->metric) {
     case PlacementMetric::kHessian:
       axes = within_nearest_hit(axes, record);
+      record.misfit = squared_misfit(site.pixel_length / std::min(axes.radius1, axes.radius2),
+                                     rule.options->error, brightness.value);
       break;
     case PlacementMetric::kUniform:
       axes.radius1 = axes.radius2 = rule.uniform_radius * picture;
@@ -140,10 +143,6 @@ void shape_record(RadianceRecord& record, const RegionRule& rule) {
                                              kMaximumPictureShare * picture);
       break;
   }
-  record.misfit = rule.options->metric == PlacementMetric::kHessian
-                      ? squared_misfit(site.pixel_length / std::min(axes.radius1, axes.radius2),
-                                       rule.options->error, brightness.value)
-                      : 0.0;
   axes.radius1 = std::max(axes.radius1, site.pixel_length);
   axes.radius2 = std::max(axes.radius2, site.pixel_length);
   ValidRegion& region = record.region;
