@@ -155,6 +155,7 @@ double working_time(const RenderStats& stats) {
 Run run(const Subject& subject, const CacheOptions& cache, int samples_per_pixel, std::uint64_t seed) {
   RenderOptions options = indirect_light(Method::kCache, samples_per_pixel, seed);
   options.cache = cache;
+  options.cache.classify_sites = false;
   const RenderResult rendered = render(subject.scene, options);
   Run result;
   result.cpu_seconds = working_time(rendered.stats);

@@ -135,6 +135,7 @@ json compare(const Scene& scene, const References& references, const CacheSettin
     RenderOptions options =
         indirect_light(Method::kCache, settings.samples_per_pixel, static_cast<std::uint64_t>(i + 1));
     options.cache = setting.options;
+    options.cache.classify_sites = false;
     options.seconds = setting.seconds;
     const Measurement m = measure(scene, options, references);
     cache.add(m);

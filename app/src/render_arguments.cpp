@@ -153,7 +153,7 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
       ->excludes(error)
       ->excludes(time);
   group(add_number(command, "--gather-rays", cache.gather_rays, NumberRange<int>{1, 1 << 20},
-                   "Rays of a record on average, each having a power of two, at least 1024", "by sharpness"));
+                   "Rays of a record on average, each having a power of two, at least 512", "by sharpness"));
   group(add_number(command, "--taylor-order", cache.taylor_order, NumberRange<int>{0, 2},
                    "Order of the interpolation between records"));
   group(command.add_flag_callback(
@@ -278,6 +278,7 @@ RenderOptions render_options_for(const RenderArguments& arguments, const SceneDe
   options.cache = baseline_options(arguments.baseline, options.cache);
   options.samples_per_pixel = arguments.samples_per_pixel.value_or(scene.samples_per_pixel);
   options.seconds = arguments.seconds;
+  options.cache.classify_sites = arguments.stats || arguments.record_ellipses || !arguments.record_maps.empty();
   options.bounces = bounces_for(arguments, scene);
   check_overture(options);
   check_crop(options.crop, scene.camera);

@@ -118,9 +118,7 @@ class RecordPlacer::Placement {
       fit_jointly(*charts_, result_.records, result_.reaches, rule_);
       result_.phases.push_back(fit_timer.elapsed());
     }
-    PhaseTimer class_timer("classify sites");
     classify();
-    result_.phases.push_back(class_timer.elapsed());
     result_.charts = charts_;
     result_.brdfs = factory_.brdfs();
     result_.epsilon = rule_.epsilon;
@@ -496,12 +494,15 @@ class RecordPlacer::Placement {
   }
 
   void classify() {
+    if (!options_.classify_sites) return;
+    const PhaseTimer timer("classify sites");
     parallel_for(result_.records.size(), [&](std::size_t i) {
       RadianceRecord& record = result_.records[i];
       // Those of a hybrid cache were classified by the ellipse that they had as Taylor records.
       if (options_.representation != Representation::kHybrid || !record.uses_harmonics())
         record.curvature = classify_site(*charts_, record, options_.max_normal_deviation);
     });
+    add_time(timer);
   }
 
   const Scene& scene_;

@@ -55,7 +55,7 @@ enum class HarmonicsRule {
 struct CacheOptions {
   double error = 0.03;   ///< Accepted relative error of the picture; smaller makes more records.
   int records = 0;       ///< > 0: adapt the error threshold to reach this many within 5 %.
-  int gather_rays = 0;   ///< Mean rays of a record, each a power of two from 1024 on; 0 chooses by the noise.
+  int gather_rays = 0;   ///< Mean rays of a record, each a power of two from 512 on; 0 chooses by the noise.
   int taylor_order = 2;  ///< 0, 1 or 2: the order of the interpolant of eq. 13.
   bool glossy_glossy = true;     ///< Derivative of the incident radiance reflected by glossy surfaces.
   bool total_derivative = true;  ///< Derivatives know how the surface bends; false: [Zhao eq. 10-11].
@@ -81,6 +81,7 @@ struct CacheOptions {
   bool supersample_edges = true;  ///< Pixels whose samples see different surfaces get more of them.
   bool hard_pixels = true;        ///< Pixels that records show badly are gathered again.
   bool joint_fit = true;          ///< Refine records by their neighbours' values, weighted by noise.
+  bool classify_sites = true;     ///< All records get a class; false: those whose representation follows from it.
   /// Records are made before the picture is shaded; false: while it is, line by line and one after another,
   /// so that a pixel blends only what it or earlier pixels asked for [Zhao 3]. Then without what needs all
   /// records (joint_fit, hard_pixels) and not with Sampler::kSurface.
