@@ -278,7 +278,8 @@ RenderOptions render_options_for(const RenderArguments& arguments, const SceneDe
   options.cache = baseline_options(arguments.baseline, options.cache);
   options.samples_per_pixel = arguments.samples_per_pixel.value_or(scene.samples_per_pixel);
   options.seconds = arguments.seconds;
-  options.cache.classify_sites = arguments.stats || arguments.record_ellipses || !arguments.record_maps.empty();
+  options.cache.classify_sites =
+      arguments.stats || arguments.record_ellipses || !arguments.record_maps.empty();
   options.bounces = bounces_for(arguments, scene);
   check_overture(options);
   check_crop(options.crop, scene.camera);

@@ -19,8 +19,9 @@ constexpr int kFewestLog2HarmonicsRays = 10;
 // judged by, and the sums over the rays (bench/kernels).
 constexpr double kCostOfOrder = 0.0145;  // times order^2
 constexpr double kNarrowRadius = 1.7;    // of curvature, in pixels, at which no Taylor record fits an edge
-// Accepted errors up to which narrow edges get harmonics: in coarser pictures a record there covers more
-// than it knows. Less where the order leaves a part of the lobe out, which takes 3 sqrt(exponent).
+// Accepted errors up to which narrow edges get harmonics where pixels are not gathered again: in coarser
+// pictures a record there covers more than it knows. Less where the order leaves a part of the lobe out,
+// which takes 3 sqrt(exponent).
 constexpr double kNarrowUpTo = 0.2, kNarrowUpToTruncated = 0.05;
 constexpr double kResolvedOrder = 3.0;
 
@@ -271,7 +272,8 @@ std::shared_ptr<const RecordHarmonics> RecordFactory::gather_harmonics(const Rec
   options.directions = directions_for(options_);
   if (options_.gather_rays == 0) {
     options.log2_rays = std::max(options.log2_rays, kFewestLog2HarmonicsRays);
-    // As many as guided rays suffice for are too few, and guided by the lobe they lose what other normals see.
+    // As many as guided rays suffice for are too few, and guided by the lobe they lose what other normals
+    // see.
     if (options_.representation == Representation::kHybrid && options_.sends_guided_rays())
       options.log2_rays = std::min(options.log2_rays + 1, kMostLog2Rays);
   }
@@ -304,9 +306,11 @@ bool RecordFactory::resolves_lobes_at(const RecordSite& site) const {
 }
 
 bool RecordFactory::is_narrow_edge(const RecordSite& site) const {
-  return is_narrow(site) &&
-         (options_.records > 0 ||
-          options_.error <= (resolves_lobes_at(site) ? kNarrowUpTo : kNarrowUpToTruncated));
+  if (!is_narrow(site)) return false;
+  if (options_.records > 0) return true;
+  // Gathering such pixels again costs less and brings as much.
+  return !options_.hard_pixels &&
+         options_.error <= (resolves_lobes_at(site) ? kNarrowUpTo : kNarrowUpToTruncated);
 }
 
 bool RecordFactory::surely_needs_harmonics(const RecordSite& site) const {
@@ -339,7 +343,7 @@ void RecordFactory::shape(RadianceRecord& record, const RegionRule& rule, const 
   const auto classify = [&] {
     record.curvature = classify_site(charts_, record, options_.max_normal_deviation);
   };
-  const bool class_decides = options_.harmonics_rule == HarmonicsRule::kPaper || is_narrow(record.site);
+  const bool class_decides = options_.harmonics_rule == HarmonicsRule::kPaper || is_narrow_edge(record.site);
   if (class_decides) classify();
   record.harmonics_reason = reason_for(record);
   if (!record.uses_harmonics()) return;

@@ -111,6 +111,8 @@ TEST(RecordFactory, GivesHarmonicsWhereTheySaveRecords) {
     factory.shape(record, rule, gather_options(), counts);
     return record.harmonics_reason;
   };
+  EXPECT_EQ(reason_from(1.0), HarmonicsReason::kNone) << "its pixels are gathered again";
+  options.hard_pixels = false;
   EXPECT_EQ(reason_from(1.0), HarmonicsReason::kNarrow) << "seen from so far that its radius is a pixel";
   EXPECT_EQ(reason_from(0.3), HarmonicsReason::kNone);
   options.harmonics_rule = HarmonicsRule::kPaper;
@@ -122,6 +124,7 @@ TEST(RecordFactory, GathersOnceWhereHarmonicsAreSure) {
   const SceneCharts charts(scene);
   CacheOptions options = options_of(Strategy::kViewDependent, Representation::kHybrid);
   options.gather_rays = 1 << 13;
+  options.hard_pixels = false;
   RegionRule rule;
   rule.options = &options;
   rule.picture_width = 64;

@@ -119,6 +119,25 @@ TEST(ClassifySite, EveryPlacedRecordHasItsClass) {
   EXPECT_GT(count[static_cast<std::size_t>(CurvatureReason::kEllipseTurns)], 10);
 }
 
+TEST(ClassifySite, IsLeftOutWhereNobodyAsks) {
+  const Scene scene = test::load_scene("curved_room.xml", 64, 64);
+  const FilmSampler film(scene.camera(), scene.film(), 16, 1);
+  CacheOptions options;
+  options.error = 0.2;
+  const auto place = [&] { return place_records(scene, {0, 0, 64, 64, &film}, options, 1, 1, {}).records; };
+  const std::vector<RadianceRecord> with = place();
+  options.classify_sites = false;
+  const std::vector<RadianceRecord> without = place();
+  ASSERT_EQ(with.size(), without.size());
+  for (std::size_t i = 0; i < with.size(); ++i) {
+    EXPECT_EQ(with[i].radiance[1].value, without[i].radiance[1].value);
+    EXPECT_EQ(with[i].region.radius1, without[i].region.radius1);
+    if (!without[i].uses_harmonics()) {
+      EXPECT_EQ(without[i].curvature.deviation, 0.0);
+    }
+  }
+}
+
 TEST(ClassifySite, ReasonsHaveNames) {
   EXPECT_EQ(name_of(CurvatureReason::kFlat), "flat");
   EXPECT_EQ(name_of(CurvatureReason::kSurfaceTurns), "surface-turns");

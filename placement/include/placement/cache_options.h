@@ -81,7 +81,8 @@ struct CacheOptions {
   bool supersample_edges = true;  ///< Pixels whose samples see different surfaces get more of them.
   bool hard_pixels = true;        ///< Pixels that records show badly are gathered again.
   bool joint_fit = true;          ///< Refine records by their neighbours' values, weighted by noise.
-  bool classify_sites = true;     ///< All records get a class; false: those whose representation follows from it.
+  /// All records get a class; false: only those whose representation follows from it.
+  bool classify_sites = true;
   /// Records are made before the picture is shaded; false: while it is, line by line and one after another,
   /// so that a pixel blends only what it or earlier pixels asked for [Zhao 3]. Then without what needs all
   /// records (joint_fit, hard_pixels) and not with Sampler::kSurface.
