@@ -193,8 +193,10 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
   group(add_choice(
       command, "--sh-rule", cache.harmonics_rule,
       {{"auto", HarmonicsRule::kAuto}, {"paper", HarmonicsRule::kPaper}},
-      "Spherical harmonics of a hybrid cache: where they were measured to be better (edges narrower "
-      "than a pixel, few --records), or wherever normals turn by more than --max-normal-deviation"));
+      "Spherical harmonics of a hybrid cache: where they were measured to be better (few --records; edges "
+      "narrower than a pixel, with --records or without --hard-pixels), or wherever normals turn by more "
+      "than "
+      "--max-normal-deviation"));
   group(add_choice(command, "--sh-rays", cache.harmonics_rays,
                    {{"auto", HarmonicsRays::kAuto},
                     {"uniform", HarmonicsRays::kUniform},

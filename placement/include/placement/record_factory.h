@@ -55,7 +55,7 @@ class RecordFactory {
   /// What the BRDF at the site weighs harmonics by, towards the camera: coefficients x channels.
   [[nodiscard]] Eigen::MatrixXf weights_at(const RecordSite& site) const;
   [[nodiscard]] bool resolves_lobes_at(const RecordSite& site) const;
-  /// Whether it is an edge so narrow that it gets harmonics.
+  /// Whether it is an edge so narrow that it gets harmonics, unless its pixels are gathered again.
   [[nodiscard]] bool is_narrow_edge(const RecordSite& site) const;
   /// Whether a record there holds harmonics however small its region is, which is no less than a pixel: its
   /// estimate is that of the harmonics.
