@@ -63,7 +63,7 @@ void declare_derivatives_options(CLI::App& command, DerivativesArguments& argume
   declare_view(command, arguments, arguments.options.crop, arguments.options.seed);
   const auto group = [](CLI::Option* option) { option->group("Derivatives"); };
   group(add_number(command, "--gather-rays", arguments.gather_rays, NumberRange<int>{1, kMostDerivativeRays},
-                   "Rays of a record, rounded up to a power of two, at least 512"));
+                   "Rays of a record, rounded up to a power of two, at least 1024"));
   group(add_number(
       command, "--reference-rays", arguments.reference_rays, NumberRange<int>{1, kMostDerivativeRays},
       "Rays of each gather of the finite differences, rounded like these", "4 times --gather-rays"));

@@ -153,7 +153,7 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
       ->excludes(error)
       ->excludes(time);
   group(add_number(command, "--gather-rays", cache.gather_rays, NumberRange<int>{1, 1 << 20},
-                   "Rays of a record on average, each having a power of two, at least 512", "by sharpness"));
+                   "Rays of a record on average, each having a power of two, at least 1024", "by sharpness"));
   group(add_number(command, "--taylor-order", cache.taylor_order, NumberRange<int>{0, 2},
                    "Order of the interpolation between records"));
   group(command.add_flag_callback(
@@ -194,8 +194,7 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
       command, "--sh-rule", cache.harmonics_rule,
       {{"auto", HarmonicsRule::kAuto}, {"paper", HarmonicsRule::kPaper}},
       "Spherical harmonics of a hybrid cache: where they were measured to be better (few --records; edges "
-      "narrower than a pixel, with --records or without --hard-pixels), or wherever normals turn by more "
-      "than "
+      "narrower than a pixel, with --records or --hard-pixels off), or wherever normals turn by more than "
       "--max-normal-deviation"));
   group(add_choice(command, "--sh-rays", cache.harmonics_rays,
                    {{"auto", HarmonicsRays::kAuto},

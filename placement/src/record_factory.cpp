@@ -14,7 +14,6 @@ namespace vrc {
 namespace {
 
 constexpr int kLeastOrder = 8, kMostOrder = 24;
-constexpr int kFewestLog2HarmonicsRays = 10;
 // CPU time of a record of spherical harmonics over that of a Taylor record: the radiance that its class is
 // judged by, and the sums over the rays (bench/kernels).
 constexpr double kCostOfOrder = 0.0145;  // times order^2
@@ -270,13 +269,10 @@ std::shared_ptr<const RecordHarmonics> RecordFactory::gather_harmonics(const Rec
     return with_radiance(as_harmonics(irradiance, site.point.normal), weights_at(site));
   }
   options.directions = directions_for(options_);
-  if (options_.gather_rays == 0) {
-    options.log2_rays = std::max(options.log2_rays, kFewestLog2HarmonicsRays);
-    // As many as guided rays suffice for are too few, and guided by the lobe they lose what other normals
-    // see.
-    if (options_.representation == Representation::kHybrid && options_.sends_guided_rays())
-      options.log2_rays = std::min(options.log2_rays + 1, kMostLog2Rays);
-  }
+  // As many as guided rays suffice for are too few, and guided by the lobe they lose what other normals see.
+  if (options_.representation == Representation::kHybrid && options_.sends_guided_rays() &&
+      options_.gather_rays == 0)
+    options.log2_rays = std::min(options.log2_rays + 1, kMostLog2Rays);
   HarmonicsGatherer::NoiseSums noise;
   const HarmonicsGatherer& gatherer = *gatherers_[static_cast<std::size_t>(site.point.material)];
   const Eigen::MatrixXf weights = weights_at(site);

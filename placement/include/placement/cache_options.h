@@ -55,7 +55,7 @@ enum class HarmonicsRule {
 struct CacheOptions {
   double error = 0.03;   ///< Accepted relative error of the picture; smaller makes more records.
   int records = 0;       ///< > 0: adapt the error threshold to reach this many within 5 %.
-  int gather_rays = 0;   ///< Mean rays of a record, each a power of two from 512 on; 0 chooses by the noise.
+  int gather_rays = 0;   ///< Mean rays of a record, each a power of two from 1024 on; 0 chooses by the noise.
   int taylor_order = 2;  ///< 0, 1 or 2: the order of the interpolant of eq. 13.
   bool glossy_glossy = true;     ///< Derivative of the incident radiance reflected by glossy surfaces.
   bool total_derivative = true;  ///< Derivatives know how the surface bends; false: [Zhao eq. 10-11].

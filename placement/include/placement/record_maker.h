@@ -58,7 +58,7 @@ using Gather = std::function<RadianceEstimate(const RecordSite& site, int log2_r
                                          int log2_rays, const NoiseGoal& goal);
 
 inline constexpr double kVarianceConvergence = 1.1;  ///< Variance falls as rays^-1.1 with Sobol points.
-inline constexpr int kFewestLog2Rays = 9;
+inline constexpr int kFewestLog2Rays = 10;
 inline constexpr int kMostLog2Rays = 16;
 
 /// log2 of the rays that bring a deviation measured with 2^log2_rays down to a wanted one, within
