@@ -10,7 +10,8 @@
 
 namespace vrc {
 
-/// How many records there are of each class.
+/// How many records there are of each class. `needs_sh` and `reasons` count all of them only with
+/// CacheOptions::classify_sites.
 struct RecordClasses {
   std::uint64_t needs_sh = 0;  ///< The paper would represent them by spherical harmonics.
   std::array<std::uint64_t, kCurvatureReasons> reasons{};

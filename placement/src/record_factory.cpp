@@ -302,11 +302,11 @@ bool RecordFactory::resolves_lobes_at(const RecordSite& site) const {
 }
 
 bool RecordFactory::is_narrow_edge(const RecordSite& site) const {
-  if (!is_narrow(site)) return false;
-  if (options_.records > 0) return true;
-  // Gathering such pixels again costs less and brings as much.
-  return !options_.hard_pixels &&
-         options_.error <= (resolves_lobes_at(site) ? kNarrowUpTo : kNarrowUpToTruncated);
+  // Hard pixels cost less there and bring as much.
+  const bool serves = options_.records > 0 ||
+                      (!options_.hard_pixels &&
+                       options_.error <= (resolves_lobes_at(site) ? kNarrowUpTo : kNarrowUpToTruncated));
+  return serves && is_narrow(site);
 }
 
 bool RecordFactory::surely_needs_harmonics(const RecordSite& site) const {
