@@ -21,8 +21,9 @@ double batch_variance(F16 v, double rays) {
 void note(const GatherPacket16& packet, GuideHistogram& found) {
   const F16 arriving = select(packet.inverse_density > 0.0f, luminance(packet.incident.value), F16{});
   const F16 square = arriving * arriving / packet.warp_density;
+  const I16 cells = guide_cells(packet.u1, packet.u2);
   for (int lane = 0; lane < kLanes; ++lane)
-    found.mean_square[static_cast<std::size_t>(packet.cell[lane])] += square[lane];
+    found.mean_square[static_cast<std::size_t>(cells[lane])] += square[lane];
 }
 
 RadianceEstimate mean_of(const RgbJet16& sum, const GatherRays& rays) {
@@ -96,11 +97,10 @@ RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site, con
     }
     if (guidance.found != nullptr) note(packet, *guidance.found);
   };
-  if (options.occlusion_aware && guidance.warp == nullptr) {
+  if (options.occlusion_aware) {
     HitGrid hits((options.log2_rays + 1) / 2, options.log2_rays / 2);
     rays.for_each_packet(add_packet,
                          [&](F16 u1, F16 u2, const GatherPacket16& packet) { hits.store(u1, u2, packet); });
-    hits.close();
     sum += silhouette_derivatives(hits, rays);
   } else {
     rays.for_each_packet(add_packet);

@@ -66,7 +66,8 @@ F16 GatherRays::choose_direction(F16 u1, F16 u2, GatherPacket16& packet) const {
     u2 = warped.u2;
     packet.warp_density = warped.density;
   }
-  packet.cell = guide_cells(u1, u2);
+  packet.u1 = u1;
+  packet.u2 = u2;
   packet.direction = square_.direction(u1, u2);
   return square_.pdf(directions_at_record(packet)) * packet.warp_density;
 }

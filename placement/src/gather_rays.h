@@ -49,8 +49,8 @@ struct RgbJet16 {
 struct GatherPacket16 {
   V3x16 direction;      ///< Unit.
   F16 inverse_density;  ///< Of the rays per solid angle; 0 in lanes that found nothing.
+  F16 u1, u2;           ///< Points of the sampling square that the directions come from.
   F16 warp_density;     ///< What a guide contributed to the density.
-  I16 cell;             ///< Of the guide.
   F16 distance;         ///< To the hit; infinite without one.
   V3x16
       tangent_plane;  ///< n_y / (n_y . (y - x)): times a direction, 1 / distance on the hit's tangent plane.

@@ -56,7 +56,7 @@ class RecordPlacer::Placement {
     gather_.glossy_glossy = options.glossy_glossy;
     gather_.total_derivative = options.total_derivative;
     gather_.occlusion_aware = options.occlusion_aware;
-    gather_.choose_light = options.sends_guided_rays();
+    gather_.choose_light = options.guided;
     gather_.seed = seed;
     rule_.options = &options_;
     rule_.picture_width = std::max(scene.camera().width, scene.camera().height);
@@ -219,14 +219,12 @@ class RecordPlacer::Placement {
   }
 
   /// Of all pilots, those that find out where light is for the others.
-  [[nodiscard]] std::size_t unguided_pilots(std::size_t all) const {
-    return options_.sends_guided_rays() ? all / 2 : 0;
-  }
+  [[nodiscard]] std::size_t unguided_pilots(std::size_t all) const { return options_.guided ? all / 2 : 0; }
 
   /// The more gathers there are to guide new ones, the fewer rays these need: their number follows the noise
   /// of the latest records.
   void learn_noise(std::span<const RadianceRecord> made) {
-    if (noise_ == 0.0 || options_.gather_rays > 0 || !options_.sends_guided_rays()) return;
+    if (noise_ == 0.0 || options_.gather_rays > 0 || !options_.guided) return;
     for (const RadianceRecord& record : made) {
       if (!record.found) continue;
       const double doublings = std::log2(static_cast<double>(record.rays)) - kLog2PilotRays;
@@ -307,8 +305,7 @@ class RecordPlacer::Placement {
   /// so.
   void add_rays(const std::function<bool()>& enough) {
     if (factory_.holds_only_harmonics()) return;
-    badly_guided_.resize(result_.records.size(),
-                         badly_guided_.empty() && options_.sends_guided_rays() ? 1 : 0);
+    badly_guided_.resize(result_.records.size(), badly_guided_.empty() && options_.guided ? 1 : 0);
     const std::size_t count = result_.records.size(), at_once = enough ? kRecordsAtOnce : count;
     for (std::size_t first = 0; first < count && !(enough && enough()); first += at_once)
       add_rays(first, std::min(first + at_once, count));

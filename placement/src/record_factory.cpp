@@ -194,7 +194,7 @@ RadianceRecord RecordFactory::make(const RecordSite& site, const GatherOptions& 
   const Gather gather_radiance_at = [&](const RecordSite& s, int log2_rays) {
     harmonics.reset();  // of a site that the record was moved from
     GatherOptions options = options_for(log2_rays);
-    if (!options_.sends_guided_rays()) return gather_radiance(scene, s, options, counts);
+    if (!options_.guided) return gather_radiance(scene, s, options, counts);
     const std::unique_ptr<const GuideWarp> warp = guides.warp_at(s, found.get());
     // Rays that guide others must not be among them.
     if (found != nullptr) options.seed = hash(options.seed, 0x6d1du);
@@ -244,7 +244,7 @@ void RecordFactory::add_rays(RadianceRecord& record, const GatherOptions& gather
   options.log2_rays = log2_rays;
   options.seed = hash(gather.seed, 0xadd5u, own_rays);
   RadianceEstimate more;
-  if (options_.sends_guided_rays() && record.found) {
+  if (options_.guided && record.found) {
     const std::unique_ptr<const GuideWarp> warp = guides.warp_at(record.site, record.found.get());
     GuideHistogram own;
     more = gather_radiance(charts_.scene(), record.site, options, counts, {warp.get(), &own});
@@ -270,8 +270,7 @@ std::shared_ptr<const RecordHarmonics> RecordFactory::gather_harmonics(const Rec
   }
   options.directions = directions_for(options_);
   // As many as guided rays suffice for are too few, and guided by the lobe they lose what other normals see.
-  if (options_.representation == Representation::kHybrid && options_.sends_guided_rays() &&
-      options_.gather_rays == 0)
+  if (options_.representation == Representation::kHybrid && options_.guided && options_.gather_rays == 0)
     options.log2_rays = std::min(options.log2_rays + 1, kMostLog2Rays);
   HarmonicsGatherer::NoiseSums noise;
   const HarmonicsGatherer& gatherer = *gatherers_[static_cast<std::size_t>(site.point.material)];

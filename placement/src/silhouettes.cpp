@@ -20,55 +20,21 @@ constexpr float kFarthestExtrapolation = 2.0f;
 constexpr float kLowest = 1e-3f;
 // The cells that the far surface's radiance is fitted to. Cells are several times as long across the rows
 // as across the columns, so that the window is about square on the sphere.
-constexpr int kWindowColumns = 5, kWindowStep = 1, kWindowRows = 1;
+constexpr int kWindowLoops = 5;
 constexpr float kFewestCells = 4.5f;
 // Successive pieces that go to the same partial sum: their errors are correlated by shared cells, and the
 // spread of the partial sums must show that.
 constexpr std::size_t kRun = 16;
-// Keeps the fields of a cell out of each other's cache sets; a multiple of the lanes.
-constexpr std::size_t kFieldPadding = 5 * kLanes;
 // The fitted radiance is a share of the mean; its log-gradient divides by at least this share.
 constexpr float kLeastTrend = 0.2f;
 
-/// First column and the one after the last.
-std::pair<int, int> strategy_columns(const HitGrid& grid, const GatherStrategy& s) {
-  const auto columns = static_cast<float>(grid.columns());
-  return {static_cast<int>(s.begin * columns), static_cast<int>(s.end * columns)};
-}
-
-F16 load(const float* p) {
-  F16 v;
-  __builtin_memcpy(&v, p, sizeof(v));
-  return v;
-}
-
-/// v[index[i]] for every lane.
-F16 permuted(F16 v, I16 index) {
-#if defined(__AVX512F__)
-  return std::bit_cast<F16>(
-      _mm512_maskz_permutexvar_ps(0xffff, std::bit_cast<__m512i>(index), std::bit_cast<__m512>(v)));
-#else
-  F16 result;
-  for (int i = 0; i < kLanes; ++i) result[i] = v[index[i]];
-  return result;
-#endif
-}
-
-/// One corner of sixteen cells.
+/// A corner of sixteen triangles.
 struct Corners {
   V3x16 direction;
   F16 inverse_distance;
   V3x16 plane;
   I16 index;
 };
-
-Corners load_corners(const HitGrid& grid, int index) {
-  const auto at = [&](int f) { return load(grid.field(static_cast<Field>(f)) + index); };
-  return {{at(Field::kDirectionX), at(Field::kDirectionY), at(Field::kDirectionZ)},
-          at(Field::kInverseDistance),
-          {at(Field::kPlaneX), at(Field::kPlaneY), at(Field::kPlaneZ)},
-          lane_index() + index};
-}
 
 V3x16 gather3(const HitGrid& grid, int first_field, I16 index) {
   const auto at = [&](int f) { return gather(grid.field(static_cast<Field>(first_field + f)), index); };
@@ -80,7 +46,7 @@ Corners gather_corners(const HitGrid& grid, I16 index) {
           gather3(grid, Field::kPlaneX, index), index};
 }
 
-/// Where neighbours in the grid lie on different surfaces of which one hides a part of the other.
+/// Where neighbours in the mesh lie on different surfaces of which one hides a part of the other.
 struct Jump {
   I16 found;
   I16 first_is_near;
@@ -118,12 +84,27 @@ class Pieces {
     bitangent_ = splat3(rays.frame().bitangent);
     storage_.pieces.clear();
     storage_.far_cells.clear();
-    storage_.slot_of_cell.assign(static_cast<std::size_t>(grid.index(grid.columns(), 0)), -1);
+    storage_.slot_of_cell.assign(static_cast<std::size_t>(grid.index_end()), -1);
+  }
+
+  /// Adds the pieces that rays of a strategy found.
+  void add(int strategy) {
+    const HitMesh mesh(grid_, rays_.square().strategies()[static_cast<std::size_t>(strategy)]);
+    // Blocks of far cells belong to one strategy.
+    const std::size_t first_far = (storage_.far_cells.size() + kLanes - 1) / kLanes * kLanes;
+    storage_.far_cells.resize(first_far);
+    for (std::size_t i = 0; i < mesh.triangle_count(); i += kLanes) {
+      const auto [a, b, c] = mesh.triangles(i);
+      const I16 valid = lane_index() < static_cast<int>(mesh.triangle_count() - i);
+      add_triangles(strategy, valid, gather_corners(grid_, a), gather_corners(grid_, b),
+                    gather_corners(grid_, c));
+    }
+    fit_far_surfaces(mesh, first_far);
   }
 
   /// Adds the pieces inside sixteen triangles, counter-clockwise as seen from outside the sphere.
-  void add_triangles(int strategy, I16 valid, const Corners& a, const Corners& b, const Corners& c,
-                     const std::array<Jump, 3>& jumps) {
+  void add_triangles(int strategy, I16 valid, const Corners& a, const Corners& b, const Corners& c) {
+    const Jump jumps[3] = {jump_between(a, b), jump_between(b, c), jump_between(c, a)};
     const I16 found[3] = {jumps[0].found & valid, jumps[1].found & valid, jumps[2].found & valid};
     if (!any(found[0] | found[1] | found[2])) return;
     const I16 count = -(found[0] + found[1] + found[2]);
@@ -152,7 +133,6 @@ class Pieces {
   }
 
   [[nodiscard]] RgbJet16 total() {
-    fit_far_surfaces();
     for (std::size_t begin = 0; begin < storage_.pieces.size(); begin += kLanes * kRun) {
       for (std::size_t k = 0; k < kRun; ++k) add_to_sum(begin + k);
     }
@@ -181,9 +161,6 @@ class Pieces {
   }
 
   [[nodiscard]] int slot_of(int cell, int strategy) {
-    // The row after the last one repeats the first.
-    const int stride = grid_.index(1, 0);
-    if (cell % stride == grid_.rows()) cell -= grid_.rows();
     int& slot = storage_.slot_of_cell[static_cast<std::size_t>(cell)];
     if (slot < 0) {
       slot = static_cast<int>(storage_.far_cells.size());
@@ -192,59 +169,64 @@ class Pieces {
     return slot;
   }
 
-  void fit_far_surfaces() {
+  /// Of the far cells from `first` on.
+  void fit_far_surfaces(const HitMesh& mesh, std::size_t first) {
     const std::size_t count = storage_.far_cells.size();
     storage_.far_values.resize((count + kLanes) * kFarFields);
-    for (std::size_t begin = 0; begin < count; begin += kLanes) {
-      I16 column{}, row{}, first{}, last{};
-      for (int lane = 0; lane < kLanes; ++lane) {
-        const FarCell& far = storage_.far_cells[std::min(begin + static_cast<std::size_t>(lane), count - 1)];
-        const auto [from, to] =
-            strategy_columns(grid_, rays_.square().strategies()[static_cast<std::size_t>(far.strategy)]);
-        column[lane] = far.cell / grid_.index(1, 0);
-        row[lane] = far.cell % grid_.index(1, 0);
-        first[lane] = from;
-        last[lane] = to - 1;
-      }
-      fit_far_surface(column, row, first, last, storage_.far_values.data() + begin * kFarFields);
+    for (std::size_t begin = first; begin < count; begin += kLanes) {
+      I16 cells{};
+      for (int lane = 0; lane < kLanes; ++lane)
+        cells[lane] = storage_.far_cells[std::min(begin + static_cast<std::size_t>(lane), count - 1)].cell;
+      fit_far_surface(mesh, cells, storage_.far_values.data() + begin * kFarFields);
     }
   }
 
   /// A plane through the luminance over the cells around the given ones, on the same surfaces and inside the
-  /// strategies' columns; its gradient is divided by the value at the mean direction.
-  void fit_far_surface(I16 column, I16 row, I16 first, I16 last, float* out) const {
-    const int stride = grid_.index(1, 0);
-    const I16 centre = column * stride + row;
+  /// strategies' meshes; its gradient is divided by the value at the mean direction.
+  void fit_far_surface(const HitMesh& mesh, I16 centre, float* out) const {
     const V3x16 plane = gather3(grid_, Field::kPlaneX, centre);
     const V3x16 origin = gather3(grid_, Field::kDirectionX, centre);
     const Tangents16 e = tangents(origin);
     F16 n{}, u{}, v{}, uu{}, uv{}, vv{}, l{}, ul{}, vl{}, slope1{}, slope2{};
     V3x16 radiance{}, direction{};
-    for (int c = -kWindowColumns; c <= kWindowColumns; c += kWindowStep) {
-      const I16 inside = (column + c >= first) & (column + c <= last);
-      const I16 start = select(inside, column + c, column) * stride;
-      for (int r = -kWindowRows; r <= kWindowRows; ++r) {
-        const I16 index = start + ((row + r) & (grid_.rows() - 1));
-        const V3x16 o = gather3(grid_, Field::kDirectionX, index);
-        const F16 inverse = gather(grid_.field(Field::kInverseDistance), index);
-        const I16 counts = (inside & (abs(dot(plane, o) - inverse) < kFlat * inverse)) | (index == centre);
-        if (!any(counts)) continue;
-        const V3x16 rgb = select(counts, gather3(grid_, Field::kRadianceR, index), V3x16{});
-        const F16 lum = luminance(rgb);
-        const F16 ou = select(counts, dot(o, e.s), F16{}), ov = select(counts, dot(o, e.t), F16{});
-        n += select(counts, splat(1.0f), F16{});
-        direction += select(counts, o, V3x16{});
-        radiance += rgb;
-        u += ou;
-        v += ov;
-        uu += ou * ou;
-        uv += ou * ov;
-        vv += ov * ov;
-        l += lum;
-        ul += ou * lum;
-        vl += ov * lum;
-        slope1 += lum * gather(grid_.field(Field::kSlope1), index);
-        slope2 += lum * gather(grid_.field(Field::kSlope2), index);
+    const auto take = [&](I16 inside, I16 cells) {
+      const I16 index = select(inside, cells, centre);
+      const V3x16 o = gather3(grid_, Field::kDirectionX, index);
+      const F16 inverse = gather(grid_.field(Field::kInverseDistance), index);
+      const I16 counts = (inside & (abs(dot(plane, o) - inverse) < kFlat * inverse)) | (index == centre);
+      if (!any(counts)) return;
+      const V3x16 rgb = select(counts, gather3(grid_, Field::kRadianceR, index), V3x16{});
+      const F16 lum = luminance(rgb);
+      const F16 ou = select(counts, dot(o, e.s), F16{}), ov = select(counts, dot(o, e.t), F16{});
+      n += select(counts, splat(1.0f), F16{});
+      direction += select(counts, o, V3x16{});
+      radiance += rgb;
+      u += ou;
+      v += ov;
+      uu += ou * ou;
+      uv += ou * ov;
+      vv += ov * ov;
+      l += lum;
+      ul += ou * lum;
+      vl += ov * lum;
+      slope1 += lum * gather(grid_.field(Field::kSlope1), index);
+      slope2 += lum * gather(grid_.field(Field::kSlope2), index);
+    };
+    const auto take_loop = [&](I16 inside, I16 cells) {
+      if (!any(inside)) return;
+      take(inside, cells);
+      const I16 readable = select(inside, cells, centre);
+      take(inside, mesh.neighbours(HitMesh::kNext, readable));
+      take(inside, mesh.neighbours(HitMesh::kPrevious, readable));
+    };
+    take_loop(splat(-1), centre);
+    for (const HitMesh::Link across : {HitMesh::kInner, HitMesh::kOuter}) {
+      I16 cells = centre;
+      I16 inside = splat(-1);
+      for (int step = 0; step < kWindowLoops; ++step) {
+        cells = mesh.neighbours(across, select(inside, cells, centre));
+        inside &= cells >= 0;
+        take_loop(inside, cells);
       }
     }
     const F16 inverse_n = 1.0f / n;
@@ -347,93 +329,11 @@ class Pieces {
   RgbJet16 sum_;
 };
 
-/// Sixteen quadrilaterals a, b, c, d, counter-clockwise.
-void add_cells(Pieces& pieces, int strategy, I16 valid, const Corners& a, const Corners& b, const Corners& c,
-               const Corners& d) {
-  const Jump ab = jump_between(a, b), bc = jump_between(b, c), ca = jump_between(c, a);
-  const Jump cd = jump_between(c, d), da = jump_between(d, a);
-  if (!any(valid & (ab.found | bc.found | ca.found | cd.found | da.found))) return;
-  pieces.add_triangles(strategy, valid, a, b, c, {ab, bc, ca});
-  const Jump ac = {ca.found, ~ca.first_is_near};
-  pieces.add_triangles(strategy, valid, a, c, d, {ac, cd, da});
-}
-
 }  // namespace
-
-HitGrid::HitGrid(int columns_log2, int rows_log2)
-    : columns_(1 << columns_log2),
-      rows_(1 << rows_log2),
-      stride_(rows_ + kLanes),
-      field_size_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(stride_) + kFieldPadding),
-      values_([]() -> std::vector<float>& {
-        static thread_local std::vector<float> storage;
-        return storage;
-      }()) {
-  values_.resize(kFields * field_size_);
-}
-
-void HitGrid::store(F16 u1, F16 u2, const GatherPacket16& packet) {
-  // Sixteen points fill a block of 4 x 4 cells in any order [SobolGrid]: sorted, they are four runs.
-  const I16 column = to_int(u1 * static_cast<float>(columns_)), row = to_int(u2 * static_cast<float>(rows_));
-  const I16 place = (column & 3) * 4 + (row & 3);
-  I16 sorted{};
-  for (int lane = 0; lane < kLanes; ++lane) sorted[place[lane] & 15] = lane;
-  const auto corner = static_cast<std::size_t>(index(column[0] & ~3, row[0] & ~3));
-  const F16 brightness = luminance(packet.incident.value);
-  const F16 inverse = select(brightness > 0.0f, 1.0f / max(brightness, 1e-30f), F16{});
-  const F16 fields[kFields] = {packet.direction.x,
-                               packet.direction.y,
-                               packet.direction.z,
-                               1.0f / packet.distance,
-                               packet.tangent_plane.x,
-                               packet.tangent_plane.y,
-                               packet.tangent_plane.z,
-                               packet.incident.value.x,
-                               packet.incident.value.y,
-                               packet.incident.value.z,
-                               luminance(packet.incident.g1) * inverse,
-                               luminance(packet.incident.g2) * inverse};
-  for (int f = 0; f < kFields; ++f) {
-    float* base = values_.data() + static_cast<std::size_t>(f) * field_size_ + corner;
-    const F16 values = permuted(fields[f], sorted);
-    for (int run = 0; run < 4; ++run)
-      __builtin_memcpy(base + run * stride_, reinterpret_cast<const float*>(&values) + 4 * run,
-                       4 * sizeof(float));
-  }
-}
-
-void HitGrid::close() {
-  for (int f = 0; f < kFields; ++f) {
-    float* base = values_.data() + static_cast<std::size_t>(f) * field_size_;
-    for (int c = 0; c < columns_; ++c) base[index(c, rows_)] = base[index(c, 0)];
-  }
-}
 
 RgbJet16 silhouette_derivatives(const HitGrid& grid, const GatherRays& rays) {
   Pieces pieces(grid, rays);
-  const int rows = grid.rows();
-  const auto& strategies = rays.square().strategies();
-  const I16 all = splat(-1);
-  for (std::size_t s = 0; s < strategies.size(); ++s) {
-    const auto [first, end] = strategy_columns(grid, strategies[s]);
-    const auto strategy = static_cast<int>(s);
-    // The first column goes around the pole: its polygon is cut into a ladder.
-    for (int row = 0; row < rows / 2 - 1; row += kLanes) {
-      const I16 r = lane_index() + row;
-      const I16 valid = r < rows / 2 - 1;
-      const I16 a = select(valid, r, I16{}) + grid.index(first, 0);
-      const I16 d = select(valid, rows - 1 - r, I16{}) + grid.index(first, 0);
-      add_cells(pieces, strategy, valid, gather_corners(grid, a), gather_corners(grid, a + 1),
-                gather_corners(grid, d - select(valid, splat(1), I16{})), gather_corners(grid, d));
-    }
-    for (int c = first; c + 1 < end; ++c) {
-      for (int row = 0; row < rows; row += kLanes) {
-        const int here = grid.index(c, row), beyond = grid.index(c + 1, row);
-        add_cells(pieces, strategy, all, load_corners(grid, here), load_corners(grid, beyond),
-                  load_corners(grid, beyond + 1), load_corners(grid, here + 1));
-      }
-    }
-  }
+  for (std::size_t s = 0; s < rays.square().strategies().size(); ++s) pieces.add(static_cast<int>(s));
   RgbJet16 sum = pieces.total();
   const F16 scale = splat(static_cast<float>(rays.ray_count()));
   for (V3x16* part : {&sum.g1, &sum.g2, &sum.h11, &sum.h12, &sum.h22}) *part = *part * scale;

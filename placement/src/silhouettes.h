@@ -1,54 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <vector>
-
 #include "gather_rays.h"
+#include "hit_mesh.h"
 
 namespace vrc {
-
-/// What the rays of one gather met, on the topological grid of the rays' primary sample: neighbours in the
-/// grid are neighbours in direction. Columns follow the first coordinate, rows the second one, which is an
-/// azimuth in every sampler and so wraps.
-///
-/// The storage belongs to the thread and serves one gather at a time.
-class HitGrid {
- public:
-  HitGrid(int columns_log2, int rows_log2);
-
-  /// Stores a packet. `u1`, `u2` are the coordinates of its points in the unwarped grid.
-  void store(F16 u1, F16 u2, const GatherPacket16& packet);
-
-  enum Field {
-    kDirectionX,  ///< Unit, world frame.
-    kDirectionY,
-    kDirectionZ,
-    kInverseDistance,  ///< 0 without a hit. [1/length]
-    kPlaneX,           ///< GatherPacket16::tangent_plane
-    kPlaneY,
-    kPlaneZ,
-    kRadianceR,  ///< Towards the record.
-    kRadianceG,
-    kRadianceB,
-    kSlope1,  ///< Gradient of the logarithm of its luminance as the record moves and the hit stays.
-    kSlope2,
-    kFields
-  };
-
-  [[nodiscard]] int columns() const { return columns_; }
-  [[nodiscard]] int rows() const { return rows_; }
-  /// Index of a cell in `field`. Row `rows()` repeats row 0; beyond it values are arbitrary but readable.
-  [[nodiscard]] int index(int column, int row) const { return column * stride_ + row; }
-  [[nodiscard]] const float* field(Field f) const { return values_.data() + f * field_size_; }
-
-  /// Makes row `rows()` of all columns equal to row 0, after all packets have been stored.
-  void close();
-
- private:
-  int columns_, rows_, stride_;
-  std::size_t field_size_;
-  std::vector<float>& values_;
-};
 
 /// What the estimate with fixed hits lacks: as the record moves by d, silhouettes of near surfaces move
 /// over far ones, and the strip of the far surface between its fixed border and the silhouette is
@@ -64,8 +20,8 @@ class HitGrid {
 /// `shape_jet` / |r|^4 at r = w / s. The radiance of the far surface towards x adds its own log-gradient,
 /// and d has the normal part -n d^T S d / 2 where the record's surface bends.
 ///
-/// The silhouettes are found between neighbours of the grid whose hits lie on the same side of each other's
-/// tangent planes, once in every strategy's columns, with the balance heuristic's weights.
+/// The silhouettes are found between neighbours of a mesh [HitMesh] whose hits lie on the same side of each
+/// other's tangent planes, once for every strategy, with the balance heuristic's weights.
 /// Returns sums that count like those of the rays: their mean is the sum over all rays divided by
 /// `rays.ray_count()`. The value is 0; the sixteen partial sums get runs of neighbouring pieces. The sum's
 /// bias falls with the size of the cells: unlike the rays' own mean it depends on their number.

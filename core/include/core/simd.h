@@ -136,6 +136,23 @@ using U16 = Lanes16<std::uint32_t>;
 #endif
 }
 
+[[nodiscard]] inline I16 gather(const std::int32_t* base, I16 index) {
+#if defined(__AVX512F__)
+  return std::bit_cast<I16>(
+      _mm512_mask_i32gather_epi32(_mm512_setzero_si512(), 0xffff, std::bit_cast<__m512i>(index), base, 4));
+#elif defined(__AVX2__)
+  I16 result;
+  for (int i = 0; i < I16::kParts; ++i)
+    result.part[i] = reinterpret_cast<I16::Part>(
+        _mm256_i32gather_epi32(base, reinterpret_cast<__m256i>(index.part[i]), 4));
+  return result;
+#else
+  I16 result;
+  for (int i = 0; i < kLanes; ++i) result[i] = base[index[i]];
+  return result;
+#endif
+}
+
 [[nodiscard]] inline float lane_sum(F16 v) {
   float sum = 0.0f;
   for (int i = 0; i < kLanes; ++i) sum += v[i];

@@ -59,9 +59,8 @@ struct CacheOptions {
   int taylor_order = 2;  ///< 0, 1 or 2: the order of the interpolant of eq. 13.
   bool glossy_glossy = true;     ///< Derivative of the incident radiance reflected by glossy surfaces.
   bool total_derivative = true;  ///< Derivatives know how the surface bends; false: [Zhao eq. 10-11].
-  /// Derivatives know how silhouettes move over what is behind them. They are looked for between neighbouring
-  /// rays, which guides tear apart: such a cache is not guided (docs/decisions/008).
-  bool occlusion_aware = false;
+  /// Derivatives know how silhouettes move over what is behind them.
+  bool occlusion_aware = true;
   bool joint_weight = true;  ///< Normals count in the distance of eq. 14; false: k_t alone.
   Sampler sampler = Sampler::kImage;
   PlacementMetric metric = PlacementMetric::kHessian;
@@ -87,8 +86,6 @@ struct CacheOptions {
   /// so that a pixel blends only what it or earlier pixels asked for [Zhao 3]. Then without what needs all
   /// records (joint_fit, hard_pixels) and not with Sampler::kSurface.
   bool overture = true;
-
-  [[nodiscard]] bool sends_guided_rays() const { return guided && !occlusion_aware; }
 };
 
 }  // namespace vrc

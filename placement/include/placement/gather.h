@@ -34,8 +34,7 @@ struct GatherOptions {
   int bounces = 1;               ///< Of indirect light, as PathOptions::bounces; not 0.
   bool glossy_glossy = true;     ///< Derivative of the radiance that glossy surfaces send to the record.
   bool total_derivative = true;  ///< Along the bending surface; false: along its tangent plane.
-  /// Derivatives know how silhouettes move over what is behind them; not those of guided gathers, whose rays
-  /// are no grid.
+  /// Derivatives know how silhouettes move over what is behind them.
   bool occlusion_aware = true;
   /// At glossy hits the point of the lights is chosen from several by what the hits reflect of it.
   bool choose_light = false;
