@@ -14,7 +14,8 @@ using Field = HitGrid::Field;
 // Hits that lie off each other's tangent planes by less than this share of their distance are on one
 // surface.
 constexpr float kFlat = 1e-3f;
-// Tangent planes seen at a grazing angle are not extrapolated farther than this times the hit's distance.
+// Tangent planes seen at a grazing angle are not extrapolated farther than this times the hit's distance, nor
+// nearer than the inverse of it.
 constexpr float kFarthestExtrapolation = 2.0f;
 // Pieces nearer to the horizon than about this angle are left out: the cosine makes them negligible. [rad]
 constexpr float kLowest = 1e-3f;
@@ -280,9 +281,10 @@ class Pieces {
     const F16 trend = min(max(1.0f + dot(across, w - of_far3(kMeanX)), 0.0f), 3.0f);
     const V3x16 radiance = select(up, of_far3(kMeanR) * trend, V3x16{});
 
-    const F16 nearest_a =
-        gather(grid_.field(Field::kInverseDistance), near) * (1.0f / kFarthestExtrapolation);
-    const F16 a = max(dot(gather3(grid_, Field::kPlaneX, near), w), nearest_a);
+    const F16 at_hit = gather(grid_.field(Field::kInverseDistance), near);
+    const F16 on_plane = dot(gather3(grid_, Field::kPlaneX, near), w);
+    const F16 a =
+        min(max(on_plane, at_hit * (1.0f / kFarthestExtrapolation)), at_hit * kFarthestExtrapolation);
     const F16 b = max(dot(gather3(grid_, Field::kPlaneX, far), w), 0.0f);
     const Directions16 d = rays_.square().with_camera(w);
     const F16 swept = (a - b) * balance_weight(strategy, d);

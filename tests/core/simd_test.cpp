@@ -167,10 +167,14 @@ TEST(Simd, GatherReadsEveryLane) {
   for (std::size_t i = 0; i < table.size(); ++i) table[i] = static_cast<float>(3 * i);
   const I16 index = lane_index() * 6 + 2;
   const F16 read = gather(table.data(), index);
+  std::vector<std::int32_t> numbers(100);
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = -7 * static_cast<std::int32_t>(i);
+  const I16 whole = gather(numbers.data(), index);
   const F16 negative = gather(table.data() + 50, -lane_index());
   for (int i = 0; i < kLanes; ++i) {
     EXPECT_EQ(read[i], static_cast<float>(3 * (6 * i + 2)));
     EXPECT_EQ(negative[i], static_cast<float>(3 * (50 - i)));
+    EXPECT_EQ(whole[i], -7 * (6 * i + 2));
   }
 }
 

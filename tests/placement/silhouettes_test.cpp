@@ -2,7 +2,9 @@
 // The motion of silhouettes in the derivatives of gathered radiance, against finite differences.
 #include <gtest/gtest.h>
 
+#include "core/hash.h"
 #include "derivatives_support.h"
+#include "placement/guide.h"
 
 namespace vrc {
 namespace {
@@ -51,6 +53,31 @@ TEST(Silhouettes, MoveBesideAnOccluderOfAPhongFloor) {
 
 TEST(Silhouettes, MoveBesideAnOccluderOfAGgxFloor) {
   expect_silhouettes_to_matter("cornell_ggx.xml", {{"wall_alpha", "0.3"}, {"box_alpha", "0.3"}});
+}
+
+/// A guide moves the rows of the rays' grid apart, each column's in its own way; silhouettes are found all
+/// the same.
+TEST(Silhouettes, MoveInGuidedGathers) {
+  const std::map<std::string, std::string> phong = {{"exponent", "20"}};
+  const Scene scene = test::load_scene("cornell_glossy.xml", 256, 256, phong);
+  const std::vector<RecordSite> sites = test::sites_at(scene, kBesideTheBox);
+  const std::vector<Jet2> truth = test::reference_derivatives(scene, sites, kStep);
+  const GuideField nothing(scene);
+  const test::Estimator guided = [&](const RecordSite& site, std::uint64_t seed) {
+    RayCounts counts;
+    GatherOptions options;
+    options.seed = hash(seed, 1u);
+    GuideHistogram found;
+    (void)gather_radiance(scene, site, options, counts, {nullptr, &found});
+    const KeptHistogram own(found);
+    const auto warp = nothing.warp_at(site, &own);
+    options.seed = seed;
+    return gather_radiance(scene, site, options, counts, {warp.get(), nullptr}).luminance;
+  };
+  const test::RelativeError error = test::relative_error(guided, sites, truth);
+  EXPECT_LT(error.gradient, 0.15);
+  EXPECT_LT(error.hessian, 0.5);
+  test::record_error("guided", error);
 }
 
 TEST(Silhouettes, ChangeNothingInTheOpen) {
