@@ -200,7 +200,7 @@ TEST_F(RenderCommand, SingleOptionsWinOverThePresetWhereverTheyStand) {
                                   "--joint-fit",
                                   "on",
                                   "--occlusion",
-                                  "off",
+                                  "on",
                                   "--guided",
                                   "on",
                                   "--preset",
