@@ -159,7 +159,7 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
   group(command.add_flag_callback(
       "--no-glossy-glossy", [&cache] { cache.glossy_glossy = false; },
       "Leave out the derivative of light reflected by glossy surfaces"));
-  group(add_choice(command, "--occlusion", cache.occlusion_aware, {{"off", false}, {"on", true}},
+  group(add_choice(command, "--occlusion", cache.occlusion_aware, {{"on", true}, {"off", false}},
                    "Derivatives know how silhouettes move over what is behind them"));
   CLI::Option* flat = group(command.add_flag_callback(
       "--flat-derivatives", [&cache] { cache.total_derivative = cache.joint_weight = false; },
