@@ -2,9 +2,7 @@
 #include "silhouettes.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <utility>
 
 namespace vrc {
 namespace {
