@@ -27,6 +27,7 @@ struct Settings : PictureSettings {
   int gather_rays = 0;
   bool cache_only = false;
   bool guided = true;
+  bool error_of_picture = true;
   std::string json_file;
 
   Settings() {
@@ -95,6 +96,7 @@ std::vector<CacheSetting> cache_settings(const Settings& settings) {
   CacheOptions base;
   base.gather_rays = settings.gather_rays;
   base.guided = settings.guided;
+  base.error_of_picture = settings.error_of_picture;
   std::vector<CacheSetting> result;
   for (const std::string& sampler : settings.samplers) {
     base.sampler = sampler == "surface" ? Sampler::kSurface : Sampler::kImage;
@@ -120,10 +122,11 @@ void print_details(const Measurement& m) {
   for (const PhaseTime& phase : m.stats.phases) fmt::print("  {} {:.2f} s", phase.name, phase.cpu_seconds);
   fmt::print("  gather rays {:.1f} M\n", 1e-6 * static_cast<double>(m.stats.gather_rays));
   fmt::print(
-      "{:20}  estimated relMSE {:.2e}, within a factor of two in {:.0f} % of the {:.0f} % of blocks "
-      "that can be told\n",
-      "", m.stats.relative_error * m.stats.relative_error, 100.0 * m.estimate.within_two,
-      100.0 * m.estimate.measurable);
+      "{:20}  records for {:.3f}, estimated relMSE {:.2e}, within a factor of two in {:.0f} % of the {:.0f} "
+      "% of "
+      "blocks that can be told\n",
+      "", m.stats.records_error, m.stats.relative_error * m.stats.relative_error,
+      100.0 * m.estimate.within_two, 100.0 * m.estimate.measurable);
 }
 
 json compare(const Scene& scene, const References& references, const CacheSetting& setting,
@@ -193,6 +196,9 @@ void declare_options(CLI::App& app, Settings& settings) {
       ->check(CLI::IsMember({"image", "surface"}));
   app.add_option("--gather-rays", settings.gather_rays, "Rays of a record; 0 chooses by sharpness")
       ->check(CLI::NonNegativeNumber);
+  app.add_flag_callback(
+      "--error-of-records", [&settings] { settings.error_of_picture = false; },
+      "--error is what records are placed for, not the picture's");
   app.add_flag_callback(
       "--unguided", [&settings] { settings.guided = false; }, "Without guided gathers");
   app.add_option_function<std::string>(

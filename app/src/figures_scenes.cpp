@@ -145,7 +145,8 @@ Figure figure_12(FigureSize size) {
   // The noise of fewer rays is so skewed at this exponent that two of its halves hide an error of 3e-3.
   plate.panels.front() = reference_panel("plate_reference", pick(size, 32, 64), pick(size, 2048, 4096));
   plate.panels.push_back({"plate_ours", "This program's defaults",
-                          std::string("--error ") + pick(size, "0.07", "0.03"), "plate_reference"});
+                          std::string("--error-of records --error ") + pick(size, "0.07", "0.03"),
+                          "plate_reference"});
   plate.curves = {{"plate_curve",
                    "Reflection on the plate",
                    {records_series("plate_cache", count), samples_series("plate_path")},

@@ -148,6 +148,9 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
                        "picture then depends on the clock",
                        "by --error"));
   time->excludes(error);
+  group(add_choice(command, "--error-of", cache.error_of_picture, {{"picture", true}, {"records", false}},
+                   "What --error is of: the picture, as far as its records tell before it is shaded, or "
+                   "what records are placed for, as with --overture off"));
   group(add_number(command, "--records", cache.records, NumberRange<int>{1, 100'000'000},
                    "Make about this many records (within 5 %) instead of following --error", "by --error"))
       ->excludes(error)
@@ -163,7 +166,7 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
                    "Derivatives know how silhouettes move over what is behind them"));
   CLI::Option* flat = group(command.add_flag_callback(
       "--flat-derivatives", [&cache] { cache.total_derivative = cache.joint_weight = false; },
-      "Derivatives and weights that do not know how surfaces bend, as in the paper"));
+      "Derivatives and weights that know neither how surfaces bend nor how GGX masks, as in the paper"));
   group(command.add_flag_callback(
             "--total-derivatives", [&cache] { cache.total_derivative = cache.joint_weight = true; },
             "Those that know it; the default without --preset paper"))

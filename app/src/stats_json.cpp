@@ -100,6 +100,7 @@ Json json_of(const RunReport& report) {
       {"light_samples", stats.light_samples},
       {"edge_samples", stats.edge_samples},
       {"accepted_error", stats.error},
+      {"records_error", stats.records_error},
       {"relative_error", stats.relative_error},
       {"gather_rays", stats.gather_rays},
       {"shadow_rays", stats.shadow_rays},

@@ -14,6 +14,7 @@ CacheOptions baseline_options(Baseline baseline, const CacheOptions& budget) {
   options.joint_fit = false;
   options.supersample_edges = false;
   options.hard_pixels = false;
+  options.error_of_picture = false;
   switch (baseline) {
     case Baseline::kNone:
     case Baseline::kKrivanek:

@@ -47,6 +47,7 @@ GatherRays::GatherRays(const Scene& scene, const RecordSite& site, const GatherO
   frame_.normal = site.frame.normal.cast<float>();
   frame_.to_camera = site.to_camera.cast<float>();
   frame_.shape_operator = followed_shape_operator(site, options).cast<float>();
+  frame_.masking_moves = options.total_derivative;
   in_hollow_ = is_hollow(followed_shape_operator(site, options));
   const SceneTriangle& own = scene.triangles()[site.point.triangle];
   facet_ = longest_edge(own);

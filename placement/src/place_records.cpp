@@ -77,7 +77,7 @@ class RecordPlacer::Placement {
     const PhaseTimer timer("place records");
     if (noise_ == 0.0 && result_.scale.log2_rays == 0) pilot();
     rule_.mean_luminance = result_.scale.mean_luminance;
-    options_.error = error;
+    options_.error = result_.scale.error = error;
     set_rays(error);
     if (options_.gather_rays == 0) noise_goal_ = {kNoiseLimit * accepted_noise(error), rule_.mean_luminance};
     if (!result_.records.empty() && !earlier_) add_rays(enough);
@@ -100,9 +100,10 @@ class RecordPlacer::Placement {
     return records * mean_rays(log2_rays_for_noise(error)) / mean_rays(log2_rays_);
   }
 
-  [[nodiscard]] PlacementResult snapshot() const {
+  [[nodiscard]] PlacementResult snapshot() {
+    reach_widely();
     PlacementResult copy = result_;
-    reach_widely(copy);
+    if (options_.joint_fit) fit_jointly(*charts_, copy.records, copy.reaches, rule_);
     copy.charts = charts_;
     copy.brdfs = factory_.brdfs();
     return copy;
@@ -111,7 +112,7 @@ class RecordPlacer::Placement {
   PlacementResult finish(const std::function<bool()>& enough) {
     const PhaseTimer timer("place records");
     if (options_.records == 0 && !result_.unfinished) cover_samples(enough);
-    reach_widely(result_);
+    reach_widely();
     add_time(timer);
     if (options_.joint_fit) {
       PhaseTimer fit_timer("fit records");
@@ -119,6 +120,7 @@ class RecordPlacer::Placement {
       result_.phases.push_back(fit_timer.elapsed());
     }
     classify();
+    drop_unused_harmonics();
     result_.charts = charts_;
     result_.brdfs = factory_.brdfs();
     result_.epsilon = rule_.epsilon;
@@ -133,7 +135,7 @@ class RecordPlacer::Placement {
     return charts;
   }
 
-  /// The threshold of eq. 4 at which records and hard pixels together gave 0.6 to 0.9 times a relative error
+  /// The threshold of eq. 4 at which records and hard pixels together gave 0.3 to 1.6 times a relative error
   /// in measurements (docs/decisions/011).
   static double threshold(double error) {
     const double squared = error * error;
@@ -343,10 +345,9 @@ class RecordPlacer::Placement {
     result_.phases.back().cpu_seconds += time.cpu_seconds;
   }
 
-  /// A record's own, relative. With a wanted number of records the error is unknown: the default's noise is
-  /// aimed at.
+  /// A record's own, relative.
   [[nodiscard]] double accepted_noise(double error) const {
-    return options_.records > 0 ? CacheOptions{}.error : error;
+    return options_.records > 0 ? kErrorWithNumber : error;
   }
 
   /// Gives all records their regions at a threshold and marks the pixels that they cover.
@@ -435,11 +436,11 @@ class RecordPlacer::Placement {
   }
 
   /// Fills in the reaches of the records that have none yet.
-  void reach_widely(PlacementResult& result) const {
+  void reach_widely() {
     static_assert(kWideSupport >= kFitSupport);
-    const std::size_t first = result.reaches.size();
-    for (SurfaceReach& reach : reaches_of(*charts_, std::span(result.records).subspan(first), kWideSupport))
-      result.reaches.push_back(std::move(reach));
+    const std::size_t first = result_.reaches.size();
+    for (SurfaceReach& reach : reaches_of(*charts_, std::span(result_.records).subspan(first), kWideSupport))
+      result_.reaches.push_back(std::move(reach));
   }
 
   /// Slivers between the points: what no region reaches even when widened gets records, until there are
@@ -456,7 +457,7 @@ class RecordPlacer::Placement {
     const int rounds = options_.overture ? kSampleRounds : kSampleRoundsByLine;
     for (int round = 0; round < rounds && !tiles.empty() && !result_.unfinished && !(enough && enough());
          ++round) {
-      reach_widely(result_);
+      reach_widely();
       const RadianceCache cache(charts_, result_.records, result_.reaches, factory_.brdfs());
       std::vector<std::vector<OpenSample>> open(tiles.size());
       std::vector<RayCounts> counts(tiles.size());
@@ -502,6 +503,15 @@ class RecordPlacer::Placement {
     add_time(timer);
   }
 
+  /// Of records whose regions were larger for a coarser error.
+  void drop_unused_harmonics() {
+    if (options_.representation != Representation::kHybrid || options_.strategy != Strategy::kViewDependent)
+      return;
+    for (RadianceRecord& record : result_.records) {
+      if (!record.uses_harmonics()) record.harmonics.reset();
+    }
+  }
+
   const Scene& scene_;
   const PlacementView& view_;
   CacheOptions options_;
@@ -534,7 +544,7 @@ bool RecordPlacer::cover(double error, const std::function<bool()>& enough) {
 }
 double RecordPlacer::open_share() const { return placement_->open_share(); }
 double RecordPlacer::relative_work(double error) const { return placement_->relative_work(error); }
-PlacementResult RecordPlacer::snapshot() const { return placement_->snapshot(); }
+PlacementResult RecordPlacer::snapshot() { return placement_->snapshot(); }
 PlacementResult RecordPlacer::finish(const std::function<bool()>& enough) {
   return placement_->finish(enough);
 }

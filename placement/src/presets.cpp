@@ -26,6 +26,7 @@ CacheOptions paper_preset(const CacheOptions& budget) {
   options.blend_support = 1.0;
   options.joint_fit = false;
   options.hard_pixels = false;
+  options.error_of_picture = false;
   options.supersample_edges = false;
   return options;
 }

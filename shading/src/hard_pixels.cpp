@@ -8,7 +8,6 @@
 
 #include "core/hash.h"
 #include "core/parallel.h"
-#include "placement/record_maker.h"
 #include "reported_loop.h"
 
 namespace vrc {
@@ -67,8 +66,7 @@ HardPixels::HardPixels(const Scene& scene, const FilmSampler& film, const Radian
   const auto width = static_cast<std::size_t>(scene.camera().width);
   parallel_for(facts.size() / width, [&](std::size_t row) {
     for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
-      scale_[i] = static_cast<float>(
-          std::max(perceived(static_cast<double>(facts[i].luminance), options.mean_luminance), 1e-15));
+      scale_[i] = static_cast<float>(facts[i].scale(options.mean_luminance));
     }
   });
 }
@@ -83,9 +81,9 @@ bool HardPixels::is_hard(std::size_t index) const {
   return facts_[index].sees_edge || relative_error_of(index) > accepted();
 }
 
-float HardPixels::accepted() const {
-  return static_cast<float>(kHardError * options_.error * options_.error);
-}
+float HardPixels::accepted() const { return static_cast<float>(most_left_alone(options_.error)); }
+
+double HardPixels::most_left_alone(double error) { return kHardError * error * error; }
 
 double HardPixels::rays_per_pixel(double error) { return std::exp2(1 + log2_rays_of_half(error)); }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
+#include "placement/record_maker.h"
 #include "placement/tile.h"
 #include "shading/interpolate.h"
 #include "transport/film_sampler.h"
@@ -40,6 +42,10 @@ struct PixelFacts {
     // The records' predictions err together over a pixel; its samples lie in a net.
     const float spread = std::max(luminance2 - luminance * luminance, 0.0f);
     sampling_error = kErrorOfNet * spread * std::pow(scale, kNetConvergence);
+  }
+  /// What errors of its luminance are relative to.
+  [[nodiscard]] double scale(double mean_luminance) const {
+    return std::max(perceived(static_cast<double>(luminance), mean_luminance), 1e-15);
   }
   /// Squared error of the pixel's luminance.
   [[nodiscard]] float total_error() const { return squared_error + sampling_error; }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <functional>
 
+#include "error_goal.h"
+#include "error_trial.h"
 #include "hard_pixels.h"
 #include "reported_loop.h"
 #include "tile_shader.h"
@@ -94,19 +96,32 @@ class Renderer {
   void place(RenderResult& result) {
     const PlacementView view = {layout_.x0, layout_.y0, layout_.x1, layout_.y1, &film_};
     RecordPlacer placer(scene_, view, options_.cache, options_.bounces, options_.seed, control_, earlier_);
-    timed_.error = options_.cache.error;
+    if (options_.cache.records > 0)
+      timed_.error = kErrorWithNumber;
+    else  // of a fly-through's frames the first decides
+      timed_.error = earlier_.cache != nullptr ? earlier_.scale.error : options_.cache.error;
+    std::optional<PhaseTime> tried;
     std::function<bool()> enough;
     if (options_.seconds > 0.0) {
       TileTrials trials(scene_, film_, shader_, layers_, layout_, options_, placer, control_);
       timed_ = cover_within_time(placer, options_.seconds, clock_, control_, trials);
       enough = [&] { return clock_.elapsed().seconds > timed_.finish_placing_by; };
+    } else if (aims_at_picture()) {
+      PixelTrial trial(scene_, film_, layout_, options_, placer, control_);
+      timed_.error = cover_within_error(placer, timed_.error, control_, trial);
+      tried = trial.time();
+      counts_ += trial.counts();
     } else {
       placer.cover(timed_.error);
     }
-    if (options_.cache.records == 0) result.stats.error = timed_.error;
+    if (options_.cache.records == 0) {
+      result.stats.records_error = timed_.error;
+      if (options_.seconds == 0.0) result.stats.error = options_.cache.error;
+    }
     PlacementResult placed = placer.finish(enough);
     counts_ += placed.counts;
     result.stats.phases = std::move(placed.phases);
+    if (tried) result.stats.phases.push_back(*tried);
     result.stats.records = placed.records.size();
     result.stats.records_made =
         placed.records.size() - (earlier_.cache != nullptr ? earlier_.cache->records().size() : 0);
@@ -114,6 +129,12 @@ class Renderer {
     result.stats.unfinished = placed.unfinished;
     cache_.emplace(std::move(placed.charts), std::move(placed.records), placed.reaches,
                    std::move(placed.brdfs));
+  }
+
+  /// The records' error follows from the picture's.
+  [[nodiscard]] bool aims_at_picture() const {
+    const CacheOptions& cache = options_.cache;
+    return cache.error_of_picture && cache.overture && cache.records == 0 && earlier_.cache == nullptr;
   }
 
   /// R, G, B from the wanted layers, and the layer `error`.

@@ -19,7 +19,7 @@ constexpr double kMostForTrial = 0.02;
 
 TileTrials::TileTrials(const Scene& scene, const FilmSampler& film, const TileShader& shader,
                        const Layers& layers, const TileLayout& layout, const RenderOptions& options,
-                       const RecordPlacer& placer, const RunControl& control)
+                       RecordPlacer& placer, const RunControl& control)
     : scene_(scene),
       film_(film),
       shader_(shader),

@@ -13,7 +13,7 @@ class TileTrials : public ShadingTrials {
  public:
   /// All must outlive it.
   TileTrials(const Scene& scene, const FilmSampler& film, const TileShader& shader, const Layers& layers,
-             const TileLayout& layout, const RenderOptions& options, const RecordPlacer& placer,
+             const TileLayout& layout, const RenderOptions& options, RecordPlacer& placer,
              const RunControl& control);
 
   double seconds_with(ShadingEffort effort) override;
@@ -30,7 +30,7 @@ class TileTrials : public ShadingTrials {
   const Layers& layers_;
   const TileLayout& layout_;
   const RenderOptions& options_;
-  const RecordPlacer& placer_;
+  RecordPlacer& placer_;
   const RunControl& control_;
   std::vector<std::size_t> tiles_;
   Image image_;

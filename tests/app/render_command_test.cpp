@@ -96,7 +96,7 @@ TEST_F(RenderCommand, ChoosesTheErrorByTheTime) {
     const auto result = run_vrc(
         {"render", scene_, "--spp", "2", "-o", at("a.exr"), "--stats", at("a.json"), "--time", seconds});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    return nlohmann::json::parse(test::read_file(at("a.json"))).at("accepted_error").get<double>();
+    return nlohmann::json::parse(test::read_file(at("a.json"))).at("records_error").get<double>();
   };
   EXPECT_LT(error_within("1.5"), error_within("0.01"));
 }
@@ -171,7 +171,9 @@ TEST_F(RenderCommand, PresetOfThePaperIsItsOptionsSpelledOut) {
                             "--supersample-edges",
                             "off",
                             "--hard-pixels",
-                            "off"}))
+                            "off",
+                            "--error-of",
+                            "records"}))
                 .exit_code,
             0);
   const auto paper = read_image(at("paper.exr")).pixels;
@@ -216,7 +218,9 @@ TEST_F(RenderCommand, SingleOptionsWinOverThePresetWhereverTheyStand) {
                                   "--supersample-edges",
                                   "on",
                                   "--hard-pixels",
-                                  "on"}),
+                                  "on",
+                                  "--error-of",
+                                  "picture"}),
             ours);
 }
 

@@ -24,6 +24,8 @@ TEST(PaperPreset, IsWhatThePaperSays) {
   EXPECT_EQ(o.max_normal_deviation, 0.1);
   EXPECT_EQ(o.blend_support, 1.0);
   EXPECT_FALSE(o.joint_fit);
+  EXPECT_FALSE(o.hard_pixels);
+  EXPECT_FALSE(o.error_of_picture);
 }
 
 TEST(PaperPreset, KeepsWhatTheUserMaySpend) {

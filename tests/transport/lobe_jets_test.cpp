@@ -156,13 +156,15 @@ class LobeJets : public ::testing::TestWithParam<JetCase> {
   double step(const Config& c) const { return 0.05 * GetParam().width * c.hit.norm(); }
 };
 
-/// f (n . r) of the lobe at the displaced record, where GGX keeps its shadowing: only D, cos_o and the
-/// length of r change.
-double moved_shape(const LambertLobe&, const Vec3& n, const Vec3& r, const Vec3&) { return n.dot(r) / kPi; }
-double moved_shape(const PhongLobe& lobe, const Vec3& n, const Vec3& r, const Vec3& v) {
+/// f (n . r) of the lobe at the displaced record.
+double moved_shape(const auto& lobe, const Vec3& n, const Vec3& r, const Vec3& v) {
   return scalar::shape(lobe, n, v.normalized(), r.normalized()) * r.norm();
 }
-double moved_shape(const GgxLobe& lobe, const Vec3& n, const Vec3& r, const Vec3& v) {
+/// Where GGX keeps its shadowing only D, cos_o and the length of r change.
+double moved_without_masking(const auto& lobe, const Vec3& n, const Vec3& r, const Vec3& v) {
+  return moved_shape(lobe, n, r, v);
+}
+double moved_without_masking(const GgxLobe& lobe, const Vec3& n, const Vec3& r, const Vec3& v) {
   const Vec3 wi = r.normalized(), wo = v.normalized(), h = (wi + wo).normalized();
   return scalar::ggx_distribution(lobe.alpha, n.dot(h)) / (4.0 * n.dot(wo) * n.dot(wi)) * n.dot(r);
 }
@@ -171,15 +173,20 @@ TEST_P(LobeJets, ShapeMatchesFiniteDifferences) {
   Configs configs(21);
   for (int i = 0; i < kConfigs; ++i) {
     const Config c = configs.next(GetParam().spread);
-    const MovingPoint16 p = moving(c);
+    MovingPoint16 p = moving(c);
     std::visit(
         [&](const auto& lobe) {
-          const Scalar f = [&](const Vec2& d) {
-            const Moved m(c.s, d);
-            return moved_shape(lobe, m.n, c.hit - m.x, c.camera - m.x);
+          const auto check = [&](const auto& shape) {
+            const Scalar f = [&](const Vec2& d) {
+              const Moved m(c.s, d);
+              return shape(lobe, m.n, c.hit - m.x, c.camera - m.x);
+            };
+            expect_jet(lane_of(shape_jet(lobe, p), i % kLanes), finite_differences(f, step(c)), c.hit.norm(),
+                       fmt::format("configuration {}", i));
           };
-          expect_jet(lane_of(shape_jet(lobe, p), i % kLanes), finite_differences(f, step(c)), c.hit.norm(),
-                     fmt::format("configuration {}", i));
+          check([](const auto&... all) { return moved_shape(all...); });
+          p.masking_moves = false;
+          check([](const auto&... all) { return moved_without_masking(all...); });
         },
         GetParam().lobe);
   }
@@ -190,6 +197,12 @@ double reflected(const PhongLobe& lobe, const Vec3& n, const Vec3& light, const 
   return std::pow(scalar::mirror(n, light).dot(out), static_cast<double>(lobe.exponent));
 }
 double reflected(const GgxLobe& lobe, const Vec3& n, const Vec3& light, const Vec3& out) {
+  return scalar::shape(lobe, n, out, light);
+}
+double reflected_without_masking(const auto& lobe, const Vec3& n, const Vec3& light, const Vec3& out) {
+  return reflected(lobe, n, light, out);
+}
+double reflected_without_masking(const GgxLobe& lobe, const Vec3& n, const Vec3& light, const Vec3& out) {
   return scalar::ggx_distribution(lobe.alpha, n.dot((light + out).normalized())) / n.dot(out);
 }
 
@@ -197,18 +210,23 @@ TEST_P(LobeJets, ReflectorMatchesFiniteDifferences) {
   Configs configs(22);
   for (int i = 0; i < kConfigs; ++i) {
     const Config c = configs.next(GetParam().spread);
-    const MovingPoint16 p = moving(c);
+    MovingPoint16 p = moving(c);
     const FixedReflector16 y = {splat3(c.reflector_normal), splat3(c.light),
                                 splat(static_cast<float>(c.reflector_normal.dot(c.hit))),
                                 splat(static_cast<float>(c.reflector_normal.dot(c.light))),
                                 splat(static_cast<float>(c.light.dot(c.hit)))};
     std::visit(
         [&](const auto& lobe) {
-          const Scalar f = [&](const Vec2& d) {
-            return reflected(lobe, c.reflector_normal, c.light, (Moved(c.s, d).x - c.hit).normalized());
+          const auto check = [&](const auto& reflect) {
+            const Scalar f = [&](const Vec2& d) {
+              return reflect(lobe, c.reflector_normal, c.light, (Moved(c.s, d).x - c.hit).normalized());
+            };
+            expect_jet(lane_of(reflector_jet(lobe, y, p), i % kLanes), finite_differences(f, step(c)),
+                       c.hit.norm(), fmt::format("configuration {}", i));
           };
-          expect_jet(lane_of(reflector_jet(lobe, y, p), i % kLanes), finite_differences(f, step(c)),
-                     c.hit.norm(), fmt::format("configuration {}", i));
+          check([](const auto&... all) { return reflected(all...); });
+          p.masking_moves = false;
+          check([](const auto&... all) { return reflected_without_masking(all...); });
         },
         GetParam().lobe);
   }

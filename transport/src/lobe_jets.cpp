@@ -43,10 +43,23 @@ UnitJet16 distribution_jet(float alpha, const ValueJet& h2, const ValueJet& hn, 
   return pow(h2.j, 2.0f) * pow(base_jet, -2.0f);
 }
 
+/// sqrt(alpha^2 + (1 - alpha^2) cosine^2) of `ggx_visibility`.
+ValueJet masking_root(float alpha, const ValueJet& cosine) {
+  const F16 moving = (1.0f - alpha * alpha) * cosine.value * cosine.value;
+  const F16 square = alpha * alpha + moving;
+  return {sqrt(square), pow(scaled(moving / square, pow(cosine.j, 2.0f)), 0.5f)};
+}
+
+/// `ggx_visibility` = G2 / (4 cos_i cos_o).
+UnitJet16 visibility_jet(float alpha, const ValueJet& i, const ValueJet& o) {
+  return pow(add(multiply(i, masking_root(alpha, o)), multiply(o, masking_root(alpha, i))).j, -1.0f);
+}
+
 }  // namespace
 
 MovingPoint16 moving_point(const RecordFrame& frame, const V3x16& r) {
   MovingPoint16 p;
+  p.masking_moves = frame.masking_moves;
   const Eigen::Matrix2f& s = frame.shape_operator;
   const Eigen::Matrix2f s2 = s * s;
   p.s11 = s(0, 0);
@@ -121,8 +134,10 @@ UnitJet16 shape_jet(const GgxLobe& lobe, const MovingPoint16& p) {
   const ValueJet hn = add(in, on);
   const F16 t1 = p.r1 * inverse_r + p.v1 * inverse_v, t2 = p.r2 * inverse_r + p.v2 * inverse_v;
   const F16 base = t1 * t1 + t2 * t2 + (lobe.alpha * lobe.alpha) * hn.value * hn.value;
+  const UnitJet16 distribution = distribution_jet(lobe.alpha, h2, hn, base);
+  if (p.masking_moves) return distribution * visibility_jet(lobe.alpha, in, on) * p.jet_nr;
   // shape |r| = D F G2 / (4 cos_o) |r|: the cosine at x cancels.
-  return distribution_jet(lobe.alpha, h2, hn, base) * pow(p.jet_rr, 0.5f) * pow(on.j, -1.0f);
+  return distribution * pow(p.jet_rr, 0.5f) * pow(on.j, -1.0f);
 }
 
 UnitJet16 reflector_jet(const LambertLobe&, const FixedReflector16&, const MovingPoint16&) { return {}; }
@@ -155,7 +170,9 @@ UnitJet16 reflector_jet(const GgxLobe& lobe, const FixedReflector16& y, const Mo
   const V3x16 h = y.light - V3x16{p.r1, p.r2, p.nr} * inverse_r;
   const V3x16 tangential = h - y.n * hn;
   const F16 base = dot(tangential, tangential) + (lobe.alpha * lobe.alpha) * hn * hn;
-  return distribution_jet(lobe.alpha, h2, half, base) * pow(outgoing.j, -1.0f);
+  const UnitJet16 distribution = distribution_jet(lobe.alpha, h2, half, base);
+  if (p.masking_moves) return distribution * visibility_jet(lobe.alpha, {y.light_cos, {}}, outgoing);
+  return distribution * pow(outgoing.j, -1.0f);
 }
 
 }  // namespace vrc

@@ -51,14 +51,21 @@ enum class HarmonicsRule {
   kAuto    ///< Where measurements say that they are better (docs/decisions).
 };
 
+/// What the noise of records and hard pixels follow where the number of records is given.
+inline constexpr double kErrorWithNumber = 0.03;
+
 /// How records are made. The defaults need no tuning on ordinary scenes.
 struct CacheOptions {
-  double error = 0.03;   ///< Accepted relative error of the picture; smaller makes more records.
+  double error = 0.02;  ///< Accepted relative error of the picture; smaller makes more records.
+  /// Of the picture, as far as the records tell it before all is shaded; false: what records are placed for,
+  /// about twice the picture's.
+  bool error_of_picture = true;
   int records = 0;       ///< > 0: adapt the error threshold to reach this many within 5 %.
   int gather_rays = 0;   ///< Mean rays of a record, each a power of two from 1024 on; 0 chooses by the noise.
   int taylor_order = 2;  ///< 0, 1 or 2: the order of the interpolant of eq. 13.
-  bool glossy_glossy = true;     ///< Derivative of the incident radiance reflected by glossy surfaces.
-  bool total_derivative = true;  ///< Derivatives know how the surface bends; false: [Zhao eq. 10-11].
+  bool glossy_glossy = true;  ///< Derivative of the incident radiance reflected by glossy surfaces.
+  /// Derivatives know how the surface bends and how GGX masks; false: [Zhao eq. 10-11, 4.3.2].
+  bool total_derivative = true;
   /// Derivatives know how silhouettes move over what is behind them.
   bool occlusion_aware = true;
   bool joint_weight = true;  ///< Normals count in the distance of eq. 14; false: k_t alone.
@@ -84,7 +91,7 @@ struct CacheOptions {
   bool classify_sites = true;
   /// Records are made before the picture is shaded; false: while it is, line by line and one after another,
   /// so that a pixel blends only what it or earlier pixels asked for [Zhao 3]. Then without what needs all
-  /// records (joint_fit, hard_pixels) and not with Sampler::kSurface.
+  /// records (joint_fit, hard_pixels, error_of_picture) and not with Sampler::kSurface.
   bool overture = true;
 };
 

@@ -30,10 +30,11 @@ enum class GatherDirections {
 };
 
 struct GatherOptions {
-  int log2_rays = 12;            ///< 2^k rays, k >= 10.
-  int bounces = 1;               ///< Of indirect light, as PathOptions::bounces; not 0.
-  bool glossy_glossy = true;     ///< Derivative of the radiance that glossy surfaces send to the record.
-  bool total_derivative = true;  ///< Along the bending surface; false: along its tangent plane.
+  int log2_rays = 12;         ///< 2^k rays, k >= 10.
+  int bounces = 1;            ///< Of indirect light, as PathOptions::bounces; not 0.
+  bool glossy_glossy = true;  ///< Derivative of the radiance that glossy surfaces send to the record.
+  /// Along the bending surface, with the masking of GGX; false: along its tangent plane, without.
+  bool total_derivative = true;
   /// Derivatives know how silhouettes move over what is behind them.
   bool occlusion_aware = true;
   /// At glossy hits the point of the lights is chosen from several by what the hits reflect of it.

@@ -18,10 +18,11 @@ struct PlacementView {
   const FilmSampler* film = nullptr;   ///< The samples that will be shaded.
 };
 
-/// What a placement learns from the picture before it makes records.
+/// What a placement learns from the picture.
 struct PictureScale {
   double mean_luminance = 0.0;  ///< Of the indirect light.
   double log2_rays = 0.0;       ///< Of records, of which each has one of the powers of two beside it.
+  double error = 0.0;           ///< That records were placed for last.
 };
 
 /// The records of earlier frames, which show what they can of the next one. They must serve any camera:
@@ -73,8 +74,8 @@ class RecordPlacer {
   [[nodiscard]] double open_share() const;
   /// About the work for records of this accepted error over that for those there are.
   [[nodiscard]] double relative_work(double error) const;
-  /// What there is, as it can be shaded, every sample covered or not; covering may go on.
-  [[nodiscard]] PlacementResult snapshot() const;
+  /// What there is, all refined as it can be shaded, every sample covered or not; covering may go on.
+  [[nodiscard]] PlacementResult snapshot();
   /// What there is, all refined. Only once. Before, camera samples that lie between the covered points get
   /// records, too, until `enough` says so.
   [[nodiscard]] PlacementResult finish(const std::function<bool()>& enough = {});

@@ -53,7 +53,8 @@ struct RenderStats {
   std::uint64_t hard_pixels = 0;  ///< Gathered again, as records show them badly.
   int light_samples = 0;          ///< Of direct light, for each camera sample; a short time leaves one.
   int edge_samples = 0;           ///< Camera samples of pixels with edges; likewise those of others.
-  double error = 0.0;             ///< Accepted: that of the options, or what their time was enough for.
+  double error = 0.0;             ///< Accepted; 0: their time or number says how many records there are.
+  double records_error = 0.0;     ///< That records were placed for; 0: there are as many as were wanted.
   double relative_error = 0.0;    ///< Estimated, of the indirect light: HardPixels.
   bool unfinished = false;        ///< Interrupted: the picture holds what there was.
 };

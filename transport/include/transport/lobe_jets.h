@@ -22,6 +22,7 @@ struct MovingPoint16 {
   F16 nr, nv;           ///< n . r and n . v
   F16 rr, vv, rv;       ///< r . r, v . v, r . v
   UnitJet16 jet_nr, jet_nv, jet_rr, jet_vv;
+  bool masking_moves = true;  ///< RecordFrame's.
 };
 
 /// What does not depend on the gather ray.
@@ -29,6 +30,7 @@ struct RecordFrame {
   Vec3f x, tangent, bitangent, normal;
   Vec3f to_camera;  ///< v
   Eigen::Matrix2f shape_operator = Eigen::Matrix2f::Zero();
+  bool masking_moves = true;  ///< false: G2 of GGX is held fixed [Zhao 4.3.2].
 };
 
 [[nodiscard]] MovingPoint16 moving_point(const RecordFrame& frame, const V3x16& r);
@@ -39,8 +41,8 @@ struct RecordFrame {
   return unit_jet<F16>(1.0f / value, -a1, -a2, an * p.s11, an * p.s12, an * p.s22);
 }
 
-/// Jets of shape(lobe) * |r| at the moving point x: f_r (n . r), the cosine not normalised. The
-/// Fresnel and shadowing terms of GGX are held fixed [Zhao 4.3.2].
+/// Jets of shape(lobe) * |r| at the moving point x: f_r (n . r), the cosine not normalised. Fresnel's
+/// term is held fixed [Zhao 4.3.2].
 [[nodiscard]] UnitJet16 shape_jet(const LambertLobe& lobe, const MovingPoint16& p);
 [[nodiscard]] UnitJet16 shape_jet(const PhongLobe& lobe, const MovingPoint16& p);
 [[nodiscard]] UnitJet16 shape_jet(const GgxLobe& lobe, const MovingPoint16& p);
