@@ -53,13 +53,20 @@ TEST(HardPixels, EstimateTheErrorOfThePicture) {
 TEST(TimedRender, ShowsAllLightHoweverLittleTimeThereIs) {
   for (const char* name : {"half_box.xml", "curved_room.xml"}) {
     const Scene scene = test::load_scene(name, 112, 112);
+    const test::IndirectReference reference = guided_reference(scene);
+    const RenderResult careful = render(scene, indirect(0.03));
     RenderOptions options = indirect(0.03);
     options.seconds = 1e-3;
-    const RenderResult hasty = render(scene, options);
-    const RenderResult careful = render(scene, indirect(0.03));
-    EXPECT_LT(hasty.stats.records, careful.stats.records / 4);
-    EXPECT_NEAR(guided_reference(scene).mean_ratio(hasty.image), 1.0, 0.03) << name;
-    EXPECT_GT(hasty.stats.relative_error, 2.0 * careful.stats.relative_error) << name;
+    // A single picture's light scatters with the records that the clock lets it have.
+    constexpr int kPictures = 6;
+    double mean_ratio = 0.0;
+    for (options.seed = 1; options.seed <= kPictures; ++options.seed) {
+      const RenderResult hasty = render(scene, options);
+      EXPECT_LT(hasty.stats.records, careful.stats.records / 4);
+      EXPECT_GT(hasty.stats.relative_error, 2.0 * careful.stats.relative_error) << name;
+      mean_ratio += reference.mean_ratio(hasty.image) / kPictures;
+    }
+    EXPECT_NEAR(mean_ratio, 1.0, 0.03) << name;
   }
 }
 
