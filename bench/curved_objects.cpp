@@ -43,7 +43,7 @@ struct Settings : PictureSettings {
 /// What records hold is compared by what they interpolate.
 CacheOptions records_alone() {
   CacheOptions options;
-  options.supersample_edges = options.hard_pixels = false;
+  options.supersample_edges = options.hard_pixels = options.error_of_picture = false;
   return options;
 }
 
