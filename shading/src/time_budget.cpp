@@ -23,7 +23,8 @@ constexpr double kMostForHardPixels = 0.3, kMostBesideCoarse = 0.15, kCoarseErro
 constexpr double kLeastForHardPixels = 0.1;
 constexpr double kMostForFirst = 0.35;    // of the time, for records until the other work is known
 constexpr double kMostForShading = 0.55;  // of the time, before it is shaded with less effort
-constexpr double kSmallLoss = 0.02;       // of the time: by so much records may seem to spare none
+constexpr double kLeastCovered = 0.01;    // share of the points: what covering takes is not known before
+constexpr double kSmallLoss = 0.1;        // of the time: by so much records may seem to spare none
 // A round that would take more than this, over the time so far, is halved.
 constexpr double kHalvedRound = 0.5;
 constexpr double kWholeRound = 0.9;  // of what is left, for the last one
@@ -38,6 +39,9 @@ TimedPlacement cover_within_time(RecordPlacer& placer, double seconds, const Pha
   const auto past = [&](double end) { return [&clock, end] { return clock.elapsed().seconds > end; }; };
   bool covered = placer.cover(error, past(kMostForFirst * seconds));
   double placing = clock.elapsed().seconds;
+  // A picture without records everywhere is worse than one that is shaded with less effort.
+  const double open = placer.open_share();
+  const double covering = placing * open / std::max(1.0 - open, kLeastCovered);
 
   double finishing = 0.0;
   TimedPlacement result;
@@ -49,7 +53,7 @@ TimedPlacement cover_within_time(RecordPlacer& placer, double seconds, const Pha
     finishing = (kFinishing + (covers_samples ? kCoveringSamples : 0.0)) * shading;
     result.finish_placing_by =
         covers_samples ? (1.0 - kSlack - kLeastForHardPixels) * seconds - kFinishing * shading : 0.0;
-    if (finishing < kMostForShading * seconds) break;
+    if (finishing < kMostForShading * seconds && placing + covering + finishing < seconds) break;
   }
   const WorkBesideShading beside = trials.beside();
   const auto placed_by = [&](double e) {
@@ -58,7 +62,7 @@ TimedPlacement cover_within_time(RecordPlacer& placer, double seconds, const Pha
                     (e < kCoarseError ? kMostForHardPixels : kMostBesideCoarse) * seconds);
   };
   if (!covered) {
-    const double now = clock.elapsed().seconds, open = placer.open_share();
+    const double now = clock.elapsed().seconds;
     // The more is covered, the fewer paths there will be: records that spare more time than they take are
     // made in any case.
     double least_end = std::numeric_limits<double>::infinity();
