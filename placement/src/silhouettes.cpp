@@ -192,7 +192,7 @@ class Pieces {
       const I16 index = select(inside, cells, centre);
       const V3x16 o = gather3(grid_, Field::kDirectionX, index);
       const F16 inverse = gather(grid_.field(Field::kInverseDistance), index);
-      const I16 counts = (inside & (abs(dot(plane, o) - inverse) < kFlat * inverse)) | (index == centre);
+      const I16 counts = inside & ((abs(dot(plane, o) - inverse) < kFlat * inverse) | (index == centre));
       if (!any(counts)) return;
       const V3x16 rgb = select(counts, gather3(grid_, Field::kRadianceR, index), V3x16{});
       const F16 lum = luminance(rgb);
