@@ -122,9 +122,8 @@ void print_details(const Measurement& m) {
   for (const PhaseTime& phase : m.stats.phases) fmt::print("  {} {:.2f} s", phase.name, phase.cpu_seconds);
   fmt::print("  gather rays {:.1f} M\n", 1e-6 * static_cast<double>(m.stats.gather_rays));
   fmt::print(
-      "{:20}  records for {:.3f}, estimated relMSE {:.2e}, within a factor of two in {:.0f} % of the {:.0f} "
-      "% of "
-      "blocks that can be told\n",
+      "{:20}  records for {:.3f}, estimated relMSE {:.2e}, within a factor of two in {:.0f} % of the "
+      "{:.0f} % of blocks that can be told\n",
       "", m.stats.records_error, m.stats.relative_error * m.stats.relative_error,
       100.0 * m.estimate.within_two, 100.0 * m.estimate.measurable);
 }

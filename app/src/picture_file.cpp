@@ -22,6 +22,8 @@ ImageMetadata metadata_of(const RunReport& report) {
   };
   if (report.options.method == Method::kCache) {
     if (report.stats.error > 0.0) metadata["vrc:error"] = fmt::format("{}", report.stats.error);
+    if (report.stats.records_error > 0.0)
+      metadata["vrc:records_error"] = fmt::format("{}", report.stats.records_error);
     metadata["vrc:records"] = std::to_string(report.stats.records);
   }
   if (report.stats.unfinished) metadata["vrc:unfinished"] = "true";

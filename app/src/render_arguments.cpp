@@ -169,7 +169,7 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
       "Derivatives and weights that know neither how surfaces bend nor how GGX masks, as in the paper"));
   group(command.add_flag_callback(
             "--total-derivatives", [&cache] { cache.total_derivative = cache.joint_weight = true; },
-            "Those that know it; the default without --preset paper"))
+            "Those that know both; the default without --preset paper"))
       ->excludes(flat);
   group(add_choice(
       command, "--guided", cache.guided, {{"on", true}, {"off", false}},

@@ -549,6 +549,10 @@ PlacementResult RecordPlacer::finish(const std::function<bool()>& enough) {
   return placement_->finish(enough);
 }
 
+RadianceCache cache_of(PlacementResult&& placed) {
+  return {std::move(placed.charts), std::move(placed.records), placed.reaches, std::move(placed.brdfs)};
+}
+
 int log2_rays_for(int rays) {
   return std::max(kFewestLog2Rays, static_cast<int>(std::bit_width(static_cast<unsigned>(rays - 1))));
 }

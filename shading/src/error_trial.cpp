@@ -11,8 +11,8 @@
 namespace vrc {
 namespace {
 
-// Pixels that are tried: so many, if there are, but not more than a share of all.
-constexpr std::size_t kFewestTried = 4096, kLargestStride = 16;
+// Pixels that are tried: one of so many, or more of a small picture.
+constexpr std::size_t kLargestStride = 16, kFewestTried = 4096;
 
 RenderOptions for_indirect_light(RenderOptions options) {
   options.only = Component::kIndirect;
@@ -47,14 +47,12 @@ double PixelTrial::relative_error(double error) {
   const PhaseTimer timer(time_.name);
   PlacementResult placed = placer_.snapshot();
   const double mean_luminance = placed.scale.mean_luminance;
-  const RadianceCache cache(std::move(placed.charts), std::move(placed.records), placed.reaches,
-                            std::move(placed.brdfs));
+  const RadianceCache cache = cache_of(std::move(placed));
   const Camera& camera = scene_.camera();
   const Layers layers(false, false);
   const TileShader shader(scene_, options_, film_, layers, control_);
   // Samples that no record reaches will get records.
   const LightSources sources = {&cache, nullptr, ShadingEffort::kNoFurtherEdgeSamples, false};
-  const double hard = HardPixels::most_left_alone(error);
 
   Image image(camera.width, camera.height, layers.names);
   std::vector<PixelFacts> facts(facts_count(camera));
@@ -72,8 +70,9 @@ double PixelTrial::relative_error(double error) {
       if (f.region < 0) continue;
       const double scale = f.scale(mean_luminance);
       const double squared = static_cast<double>(f.squared_error) / (scale * scale);
-      const bool is_hard = options_.cache.hard_pixels && (f.sees_edge || squared > hard);
-      sums[i].error += is_hard ? error * error : squared;  // they come out about as accepted
+      const bool gathered =
+          options_.cache.hard_pixels && HardPixels::is_hard(f, static_cast<float>(squared), error);
+      sums[i].error += gathered ? error * error : squared;  // hard ones come out about as accepted
       ++sums[i].pixels;
     }
   });

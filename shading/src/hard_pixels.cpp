@@ -38,6 +38,9 @@ int log2_rays_of_half(double error) {
   return std::clamp(static_cast<int>(std::lround(std::log2(rays))), kFewestLog2PixelRays, kLog2MostRays);
 }
 
+/// Estimated relative squared error up to which pixels are not hard.
+float most_left_alone(double error) { return static_cast<float>(kHardError * error * error); }
+
 /// P / (P + V).
 float ratio(float p, float v) { return p > 0.0f ? p / (p + v) : 0.0f; }
 
@@ -77,13 +80,15 @@ float HardPixels::relative_error_of(std::size_t index) const {
   return facts_[index].squared_error / square_scale_of(index);
 }
 
-bool HardPixels::is_hard(std::size_t index) const {
-  return facts_[index].sees_edge || relative_error_of(index) > accepted();
+bool HardPixels::is_hard(const PixelFacts& facts, float relative_error, double error) {
+  return facts.sees_edge || relative_error > most_left_alone(error);
 }
 
-float HardPixels::accepted() const { return static_cast<float>(most_left_alone(options_.error)); }
+bool HardPixels::is_hard(std::size_t index) const {
+  return is_hard(facts_[index], relative_error_of(index), options_.error);
+}
 
-double HardPixels::most_left_alone(double error) { return kHardError * error * error; }
+float HardPixels::accepted() const { return most_left_alone(options_.error); }
 
 double HardPixels::rays_per_pixel(double error) { return std::exp2(1 + log2_rays_of_half(error)); }
 

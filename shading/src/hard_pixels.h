@@ -34,8 +34,8 @@ class HardPixels {
 
   /// Gather rays of a pixel for an accepted error.
   [[nodiscard]] static double rays_per_pixel(double error);
-  /// Estimated relative squared error up to which pixels are not hard for an accepted error.
-  [[nodiscard]] static double most_left_alone(double error);
+  /// For an accepted error; `relative_error` is the pixel's, estimated and squared.
+  [[nodiscard]] static bool is_hard(const PixelFacts& facts, float relative_error, double error);
 
   /// Wall-clock time of a gather ray, tried at a pixel of each tile that has facts. Before `refine`, of which
   /// nothing is done.
@@ -84,7 +84,7 @@ class HardPixels {
     float error = -1.0f;  ///< Relative squared error that is left; < 0: as it was.
   };
 
-  [[nodiscard]] float accepted() const;  ///< `most_left_alone` as the options say.
+  [[nodiscard]] float accepted() const;  ///< Relative squared error up to which pixels are not hard.
   [[nodiscard]] bool is_hard(std::size_t index) const;
   /// One pixel of each tile, in an order of which every beginning is spread over the picture.
   [[nodiscard]] std::vector<Sampled> survey(const TileLayout& layout) const;

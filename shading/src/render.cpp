@@ -127,8 +127,7 @@ class Renderer {
         placed.records.size() - (earlier_.cache != nullptr ? earlier_.cache->records().size() : 0);
     result.scale = placed.scale;
     result.stats.unfinished = placed.unfinished;
-    cache_.emplace(std::move(placed.charts), std::move(placed.records), placed.reaches,
-                   std::move(placed.brdfs));
+    cache_ = cache_of(std::move(placed));
   }
 
   /// The records' error follows from the picture's.
@@ -160,7 +159,7 @@ class Renderer {
   FilmSampler film_;
   TileShader shader_;
   TileLayout layout_;
-  TimedPlacement timed_;  // without a time: what the options say
+  TimedPlacement timed_;  // without a time: for the error that the options lead to
   std::optional<RadianceCache> cache_;
   std::vector<PixelFacts> facts_;  // of all pixels of the film
   std::optional<GuideField> guides_;

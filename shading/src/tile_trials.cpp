@@ -39,8 +39,7 @@ double TileTrials::seconds_with(ShadingEffort effort) {
   if (!cache_) {
     PlacementResult placed = placer_.snapshot();
     mean_luminance_ = placed.scale.mean_luminance;
-    cache_.emplace(std::move(placed.charts), std::move(placed.records), placed.reaches,
-                   std::move(placed.brdfs));
+    cache_ = cache_of(std::move(placed));
   }
   effort_ = effort;
   seconds_ = shade(false);

@@ -44,6 +44,9 @@ struct PlacementResult {
   bool unfinished = false;  ///< Stopped by the user: not every point is covered.
 };
 
+/// The records of a placement, to be looked up.
+[[nodiscard]] RadianceCache cache_of(PlacementResult&& placed);
+
 /// Points that nothing covers are reached by regions widened so far before they get records.
 inline constexpr double kWideSupport = 3.0;
 
