@@ -29,8 +29,8 @@ namespace fs = std::filesystem;
 constexpr const char* kFooter = R"(
 k1 >= k2 are the principal curvatures, positive where the surface is convex, in 1 / unit of length;
 d1 and d2 their directions; mean = (k1 + k2) / 2, gauss = k1 k2, max = max(|k1|, |k2|). They do not reach
-across creases. sh_radius is the distance over which the normal turns by {:g} rad, the most that a cache
-record accepts. Colours span the 2nd to the 98th percentile; signed quantities run from blue (negative)
+across creases. sh_radius is the distance over which the normal turns by {:g} rad, the most that a Taylor
+record of the cache accepts by default. Colours span the 2nd to the 98th percentile; signed quantities run from blue (negative)
 over grey to orange (positive), max from dark violet to yellow.
 .ply: vertex properties x y z nx ny nz red green blue quality (max) k1 k2 mean gauss d1x d1y d1z d2x d2y
 d2z sh_radius, face properties patch region material; .vtp: the same for ParaView, with vector arrays;
@@ -110,7 +110,7 @@ void write_outputs(const MeshArguments& arguments, const SurfaceMesh& mesh, cons
       continue;
     }
     if (!surface) {
-      surface = curvature_export(build_patch_atlas(mesh), view.sectors, CacheOptions{}.max_normal_deviation,
+      surface = curvature_export(build_patch_atlas(mesh), view.sectors, kLargestNormalDeviation,
                                  [&](std::size_t sector) { return view.color(view.value(sector)); });
     }
     extension == ".ply" ? write_surface_ply(path, *surface) : write_surface_vtp(path, *surface);
@@ -199,7 +199,7 @@ CommandAction add_curvature_command(CLI::App& program) {
   add_choice(*command, "--curvature", arguments->estimator.method,
              {{"tensor", CurvatureMethod::kFaceTensors}, {"jet", CurvatureMethod::kJet}},
              "From differences of the shading normals, or from polynomials fitted to the positions (slow)");
-  command->footer(fmt::format(kFooter, CacheOptions{}.max_normal_deviation));
+  command->footer(fmt::format(kFooter, kLargestNormalDeviation));
   return [arguments] { return run_curvature(*arguments); };
 }
 

@@ -197,7 +197,7 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
       {{"auto", HarmonicsRule::kAuto}, {"paper", HarmonicsRule::kPaper}},
       "Spherical harmonics of a hybrid cache: where they were measured to be better (few --records; edges "
       "narrower than a pixel, with --records or --hard-pixels off), or wherever normals turn by more than "
-      "--max-normal-deviation"));
+      "--max-normal-deviation or, without, 0.15"));
   group(add_choice(command, "--sh-rays", cache.harmonics_rays,
                    {{"auto", HarmonicsRays::kAuto},
                     {"uniform", HarmonicsRays::kUniform},
@@ -213,8 +213,12 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
        {"uniform", PlacementMetric::kUniform},
        {"split-sphere", PlacementMetric::kSplitSphere}},
       "Record radii by the radiance Hessian, one radius everywhere, or a share of the mean distance"));
-  group(add_number(command, "--max-normal-deviation", cache.max_normal_deviation,
-                   NumberRange<double>{1e-3, 1.5}, "Largest angle of normals across a record, in radians"));
+  group(
+      add_number(command, "--max-normal-deviation", cache.max_normal_deviation,
+                 NumberRange<double>{1e-3, 1.5}, "Largest angle of normals across a record, in radians",
+                 fmt::format("by the lobes of each material and the error, {} at most, wider where no record "
+                             "reaches",
+                             kLargestNormalDeviation)));
   group(add_number(command, "--gradient-share", cache.gradient_share, NumberRange<double>{0.0, 100.0},
                    "Of the squared gradient over the radiance, added to the Hessian that radii follow"));
   group(add_number(command, "--dark-share", cache.dark_share, NumberRange<double>{0.0, 100.0},

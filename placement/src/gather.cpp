@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "placement/gather.h"
 
+#include <algorithm>
+
 #include "gather_rays.h"
 #include "silhouettes.h"
 
@@ -26,30 +28,84 @@ void note(const GatherPacket16& packet, GuideHistogram& found) {
     found.mean_square[static_cast<std::size_t>(cells[lane])] += square[lane];
 }
 
-RadianceEstimate mean_of(const RgbJet16& sum, const GatherRays& rays) {
-  const double n = rays.ray_count();
-  RadianceEstimate result;
-  const auto channel = [&](const V3x16& v, int c) {
-    return lane_total(c == 0 ? v.x : c == 1 ? v.y : v.z) / n;
-  };
-  const auto symmetric = [](double a, double b, double c) {
-    Mat2 m;
-    m << a, b, b, c;
-    return m;
-  };
-  for (int c = 0; c < 3; ++c) {
-    Jet2& jet = result.radiance[static_cast<std::size_t>(c)];
-    jet.value = channel(sum.value, c);
-    jet.gradient = {channel(sum.g1, c), channel(sum.g2, c)};
-    jet.hessian = symmetric(channel(sum.h11, c), channel(sum.h12, c), channel(sum.h22, c));
+Mat2 matrix(double a11, double a12, double a21, double a22) {
+  Mat2 m;
+  m << a11, a12, a21, a22;
+  return m;
+}
+
+/// Of sums over rays.
+class Means {
+ public:
+  explicit Means(const GatherRays& rays) : rays_(rays.ray_count()) {}
+
+  [[nodiscard]] double channel(const V3x16& v, std::size_t c) const {
+    return lane_total(c == 0 ? v.x : c == 1 ? v.y : v.z) / rays_;
   }
-  result.luminance = luminance(result.radiance);
-  const auto variance = [&](const V3x16& v) { return batch_variance(luminance(v), n); };
-  result.variance.value = variance(sum.value);
-  result.variance.gradient = {variance(sum.g1), variance(sum.g2)};
-  result.variance.hessian = symmetric(variance(sum.h11), variance(sum.h12), variance(sum.h22));
-  rays.describe_hits(result.hits);
+  [[nodiscard]] double variance(const V3x16& v) const { return batch_variance(luminance(v), rays_); }
+
+  [[nodiscard]] RadianceEstimate estimate(const V3x16& value, const UnitJet<V3x16>& j) const {
+    const auto jet = [&](const auto& mean) {
+      const double h12 = mean(j.h12);
+      return Jet2{mean(value), {mean(j.g1), mean(j.g2)}, matrix(mean(j.h11), h12, h12, mean(j.h22))};
+    };
+    RadianceEstimate result;
+    for (std::size_t c = 0; c < 3; ++c)
+      result.radiance[c] = jet([&](const V3x16& v) { return channel(v, c); });
+    result.luminance = luminance(result.radiance);
+    result.variance = jet([&](const V3x16& v) { return variance(v); });
+    return result;
+  }
+
+ private:
+  double rays_;
+};
+
+RadianceEstimate mean_of(const RgbJet16& sum, const GatherRays& rays) {
+  return Means(rays).estimate(sum.value, sum.jet);
+}
+
+RadianceEstimate mean_of(const RgbTiltingJet16& sum, const GatherRays& rays) {
+  const Eigen::Matrix2f& s = rays.frame().shape_operator;
+  const TiltingJet<V3x16> j = along_surface(sum.jet, s(0, 0), s(0, 1), s(1, 1));
+  const Means means(rays);
+  RadianceEstimate result = means.estimate(sum.value, j.moved);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto mean = [&](const V3x16& v) { return means.channel(v, c); };
+    const double m12 = mean(j.m12);
+    result.tilt[c] = {{mean(j.n1), mean(j.n2)},
+                      matrix(mean(j.x11), mean(j.x12), mean(j.x21), mean(j.x22)),
+                      matrix(mean(j.m11), m12, m12, mean(j.m22))};
+  }
   return result;
+}
+
+template <template <typename> typename Jet>
+RadianceEstimate gather_jets(GatherRays& rays, const GatherOptions& options, GuideHistogram* found) {
+  RgbSum16<Jet> sum;
+  const auto add_packet = [&](const GatherPacket16& packet) {
+    const Directions16 d = rays.directions_at_record(packet);
+    // G without the cosine at x, which `shape_jet` holds: s / |r|^4.
+    const UnitJet16 geometry = packet.facing * pow(packet.moving.jet_rr, -2.0f);
+    for (const Lobe& lobe : rays.bsdf().lobes) {
+      std::visit(
+          [&](const auto& l) {
+            const V3x16 weight = tint(l, d) * (shape(l, d) * packet.inverse_density);
+            sum += product(weight, shape_jet<Jet<F16>>(l, packet.moving) * geometry, packet.incident);
+          },
+          lobe);
+    }
+    if (found != nullptr) note(packet, *found);
+  };
+  if (options.occlusion_aware) {
+    HitGrid hits((options.log2_rays + 1) / 2, options.log2_rays / 2);
+    rays.for_each_packet(add_packet,
+                         [&](F16 u1, F16 u2, const GatherPacket16& packet) { hits.store(u1, u2, packet); });
+    sum += silhouette_derivatives<Jet>(hits, rays);
+  } else {
+    rays.for_each_packet(add_packet);
+  }
+  return mean_of(sum, rays);
 }
 
 }  // namespace
@@ -78,38 +134,24 @@ Mat2 followed_shape_operator(const RecordSite& site, const GatherOptions& option
   return options.total_derivative ? site.point.shape_operator : Mat2::Zero();
 }
 
+Vec2 tilt_beyond_shape(const RecordSite& site, const Vec2& d, const Vec3& normal) {
+  const Vec2 turned(normal.dot(site.frame.tangent), normal.dot(site.frame.bitangent));
+  return turned / std::max(normal.dot(site.frame.normal), static_cast<double>(kLeastTiltCosine)) -
+         site.point.shape_operator * d;
+}
+
 RadianceEstimate gather_radiance(const Scene& scene, const RecordSite& site, const GatherOptions& options,
                                  RayCounts& counts, const Guidance& guidance) {
   GatherRays rays(scene, site, options, counts, guidance.warp);
-  RgbJet16 sum;
   if (guidance.found != nullptr) *guidance.found = {};
-  const auto add_packet = [&](const GatherPacket16& packet) {
-    const Directions16 d = rays.directions_at_record(packet);
-    // G without the cosine at x, which `shape_jet` holds: s / |r|^4.
-    const UnitJet16 geometry = packet.facing * pow(packet.moving.jet_rr, -2.0f);
-    for (const Lobe& lobe : rays.bsdf().lobes) {
-      std::visit(
-          [&](const auto& l) {
-            const V3x16 weight = tint(l, d) * (shape(l, d) * packet.inverse_density);
-            sum.add_product(weight, shape_jet(l, packet.moving) * geometry, packet.incident);
-          },
-          lobe);
-    }
-    if (guidance.found != nullptr) note(packet, *guidance.found);
-  };
-  if (options.occlusion_aware) {
-    HitGrid hits((options.log2_rays + 1) / 2, options.log2_rays / 2);
-    rays.for_each_packet(add_packet,
-                         [&](F16 u1, F16 u2, const GatherPacket16& packet) { hits.store(u1, u2, packet); });
-    sum += silhouette_derivatives(hits, rays);
-  } else {
-    rays.for_each_packet(add_packet);
-  }
+  RadianceEstimate result = rays.tilts() ? gather_jets<TiltingJet>(rays, options, guidance.found)
+                                         : gather_jets<UnitJet>(rays, options, guidance.found);
+  rays.describe_hits(result.hits);
   if (guidance.found != nullptr) {
     const auto scale = static_cast<float>(GuideHistogram::kCells / rays.ray_count());
     for (float& v : guidance.found->mean_square) v *= scale;
   }
-  return mean_of(sum, rays);
+  return result;
 }
 
 }  // namespace vrc

@@ -50,6 +50,7 @@ GatherRays::GatherRays(const Scene& scene, const RecordSite& site, const GatherO
   frame_.masking_moves = options.total_derivative;
   in_hollow_ = is_hollow(followed_shape_operator(site, options));
   const SceneTriangle& own = scene.triangles()[site.point.triangle];
+  tilts_ = options.total_derivative && own.smooth != 0;
   facet_ = longest_edge(own);
   region_ = own.region;
   geometric_normal_ = splat3(site.point.geometric_normal);
@@ -144,7 +145,7 @@ void GatherRays::add_reflection(const SurfacePoint16& hit, const ArrivingLight16
           [&](const auto& l) {
             const V3x16 reflected = select(mask, light.radiance * tint(l, d) * shape(l, d), V3x16{});
             if (options_.glossy_glossy)
-              incident.add(reflected, masked(mask, reflector_jet(l, y, moving)));
+              incident += product(reflected, masked(mask, reflector_jet(l, y, moving)));
             else
               incident.value += reflected;
           },

@@ -12,38 +12,43 @@
 
 namespace vrc {
 
-/// A scalar with its derivatives per channel, summed over rays; sixteen partial sums.
-struct RgbJet16 {
-  V3x16 value{}, g1{}, g2{}, h11{}, h12{}, h22{};
+/// A scalar with its derivatives, not divided by it, per channel, summed over rays; sixteen partial sums.
+/// `Jet` is TiltingJet where the record's surface bends.
+template <template <typename> typename Jet>
+struct RgbSum16 {
+  V3x16 value{};
+  Jet<V3x16> jet{};
 
-  RgbJet16& operator+=(const RgbJet16& o) {
+  RgbSum16& operator+=(const RgbSum16& o) {
     value += o.value;
-    g1 += o.g1;
-    g2 += o.g2;
-    h11 += o.h11;
-    h12 += o.h12;
-    h22 += o.h22;
+    jet = sum(jet, o.jet);
     return *this;
   }
-  /// Adds c j, j the unit jet of c.
-  void add(const V3x16& c, const UnitJet16& j) {
-    value += c;
-    g1 += c * j.g1;
-    g2 += c * j.g2;
-    h11 += c * j.h11;
-    h12 += c * j.h12;
-    h22 += c * j.h22;
-  }
-  /// Adds the product of c j with a factor that has derivatives per channel.
-  void add_product(const V3x16& c, const UnitJet16& j, const RgbJet16& factor) {
-    value += c * factor.value;
-    g1 += c * (factor.value * j.g1 + factor.g1);
-    g2 += c * (factor.value * j.g2 + factor.g2);
-    h11 += c * (factor.value * j.h11 + factor.g1 * (2.0f * j.g1) + factor.h11);
-    h12 += c * (factor.value * j.h12 + factor.g1 * j.g2 + factor.g2 * j.g1 + factor.h12);
-    h22 += c * (factor.value * j.h22 + factor.g2 * (2.0f * j.g2) + factor.h22);
-  }
 };
+using RgbJet16 = RgbSum16<UnitJet>;
+using RgbTiltingJet16 = RgbSum16<TiltingJet>;
+
+/// c j, j the unit jet of c.
+[[nodiscard]] inline RgbJet16 product(const V3x16& c, const UnitJet16& j) {
+  return {c, {c * j.g1, c * j.g2, c * j.h11, c * j.h12, c * j.h22}};
+}
+
+/// The product of c j with a factor that has derivatives per channel.
+[[nodiscard]] inline RgbJet16 product(const V3x16& c, const UnitJet16& j, const RgbJet16& factor) {
+  const V3x16& v = factor.value;
+  const UnitJet<V3x16>& f = factor.jet;
+  return {
+      c * v,
+      {c * (v * j.g1 + f.g1), c * (v * j.g2 + f.g2), c * (v * j.h11 + f.g1 * (2.0f * j.g1) + f.h11),
+       c * (v * j.h12 + f.g1 * j.g2 + f.g2 * j.g1 + f.h12), c * (v * j.h22 + f.g2 * (2.0f * j.g2) + f.h22)}};
+}
+[[nodiscard]] inline RgbTiltingJet16 product(const V3x16& c, const TiltingJet16& j, const RgbJet16& factor) {
+  const RgbJet16 moved = product(c, j.moved, factor);
+  const V3x16 &v = moved.value, c1 = c * factor.jet.g1, c2 = c * factor.jet.g2;
+  return {v,
+          {moved.jet, v * j.n1, v * j.n2, v * j.x11 + c1 * j.n1, v * j.x12 + c1 * j.n2, v * j.x21 + c2 * j.n1,
+           v * j.x22 + c2 * j.n2, v * j.m11, v * j.m12, v * j.m22}};
+}
 
 /// Sixteen gather rays of which some met a lit surface.
 struct GatherPacket16 {
@@ -93,6 +98,8 @@ class GatherRays {
   [[nodiscard]] const SamplingSquare& square() const { return square_; }
   [[nodiscard]] const Bsdf& bsdf() const { return square_.bsdf(); }
   [[nodiscard]] const RecordFrame& frame() const { return frame_; }
+  /// Whether the derivatives follow normals that turn.
+  [[nodiscard]] bool tilts() const { return tilts_; }
   /// Rays traced.
   [[nodiscard]] double ray_count() const { return static_cast<double>(rays_); }
   /// The pair of directions at the record, of which one is incident.
@@ -120,6 +127,7 @@ class GatherRays {
   HitLight light_;
   RecordFrame frame_;
   V3x16 geometric_normal_, origin_;
+  bool tilts_ = false;
   bool in_hollow_ = false;   ///< The derivatives follow a surface that is concave in all directions.
   float facet_ = 0.0f;       ///< Longest edge of the record's triangle.
   std::int32_t region_ = 0;  ///< The record's smooth region.

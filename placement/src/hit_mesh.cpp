@@ -58,8 +58,8 @@ void HitGrid::store(F16 u1, F16 u2, const GatherPacket16& packet) {
                                packet.incident.value.x,
                                packet.incident.value.y,
                                packet.incident.value.z,
-                               luminance(packet.incident.g1) * inverse,
-                               luminance(packet.incident.g2) * inverse,
+                               luminance(packet.incident.jet.g1) * inverse,
+                               luminance(packet.incident.jet.g2) * inverse,
                                packet.u1,
                                packet.u2};
   for (int f = 0; f < kFields; ++f) {

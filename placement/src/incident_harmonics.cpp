@@ -30,20 +30,19 @@ class Factors {
     const MovingPoint16& p = packet.moving;
     // The solid angle of the surface element at the hit: s / |r|^3, s = -n_y . r.
     const UnitJet16 geometry = packet.facing * pow(p.jet_rr, -1.5f);
-    RgbJet16 f;
     const F16 w = packet.inverse_density;
-    f.add_product({w, w, w}, geometry, packet.incident);
+    const RgbJet16 f = product({w, w, w}, geometry, packet.incident);
     const F16 inverse = 1.0f / sqrt(p.rr);
     const V3x16 v = f.value * inverse;
     set(kV, f.value);
-    set(kG1, f.g1);
-    set(kG2, f.g2);
-    set(kH11, f.h11);
-    set(kH12, f.h12);
-    set(kH22, f.h22);
+    set(kG1, f.jet.g1);
+    set(kG2, f.jet.g2);
+    set(kH11, f.jet.h11);
+    set(kH12, f.jet.h12);
+    set(kH22, f.jet.h22);
     set(kVt, v);
-    set(kG1t, f.g1 * inverse);
-    set(kG2t, f.g2 * inverse);
+    set(kG1t, f.jet.g1 * inverse);
+    set(kG2t, f.jet.g2 * inverse);
     set(kVtt, v * inverse);
     const F16 noise = luminance(f.value);
     const I16 lane = lane_index();

@@ -64,12 +64,16 @@ std::array<Jet2, 3> fit(const ChartPoints& centers, std::span<const RadianceReco
     const double k = joint_distance(record.region, other.region.center, other.region.normal);
     if (k >= kFitSupport || !reach.contains(other.site.point.triangle)) return;
     const Vec3 d = other.region.center - record.region.center;
-    const Vec6 basis =
-        taylor_basis(Vec2(d.dot(record.site.frame.tangent), d.dot(record.site.frame.bitangent)) / length);
+    const Vec2 offset(d.dot(record.site.frame.tangent), d.dot(record.site.frame.bitangent));
+    const Vec6 basis = taylor_basis(offset / length);
+    const Vec2 tilt = tilt_beyond_shape(record.site, offset, other.region.normal);
     const double model = kModelError * scale * k * k * k;
     const double weight = 1.0 / (other.variance() + floor * floor + model * model);
     normal += weight * basis * basis.transpose();
-    for (std::size_t c = 0; c < 3; ++c) right[c] += weight * other.estimate.radiance[c].value * basis;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double value = other.estimate.radiance[c].value - record.estimate.tilt[c].change(offset, tilt);
+      right[c] += weight * value * basis;
+    }
   };
   std::vector<std::uint32_t> near;
   for (const PatchBox& box : reach.boxes) {

@@ -30,7 +30,7 @@ std::uint64_t key_of(const SurfacePoint16& p, int lane) {
 I16 open_lanes(const TileRecords& records, std::size_t packet) {
   I16 open = records.tile().points[packet].scatters;
   if (!any(open)) return open;
-  records.for_each_while(packet, static_cast<float>(kWideSupport),
+  records.for_each_while(packet, static_cast<float>(kWideSupport), Deviation::kWidest,
                          [&](const PackedRecord&, const Coverage16& c) {
                            open &= ~(c.weight > 0.0f);
                            return any(open);

@@ -18,7 +18,7 @@ struct OpenSample {
 };
 
 /// Packets of the camera samples of pixels, one for each entry of `pixels`, with lanes that no region
-/// reaches, widened kWideSupport times; only these scatter.
+/// reaches, widened kWideSupport times and up to the widest deviation; only these scatter.
 [[nodiscard]] Tile find_open_samples(const Scene& scene, const FilmSampler& film, const RadianceCache& cache,
                                      const std::vector<Pixel>& pixels, int further_edge_samples,
                                      RayCounts& counts);

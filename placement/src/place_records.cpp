@@ -190,7 +190,7 @@ class RecordPlacer::Placement {
     std::vector<SurfaceReach> reaches(result_.records.size() - first);
     parallel_for(reaches.size(), [&](std::size_t i) {
       const RadianceRecord& record = result_.records[first + i];
-      reaches[i] = reach_over_surface(*charts_, record.site.point, record.region, 1.0);
+      reaches[i] = reach_over_surface(*charts_, record.site.point, turned_widest(record.region), 1.0);
     });
     for (std::size_t i = 0; i < reaches.size(); ++i)
       points_.cover(result_.records[first + i].region, reaches[i], result_.records[first + i].turn);
@@ -498,7 +498,7 @@ class RecordPlacer::Placement {
       RadianceRecord& record = result_.records[i];
       // Those of a hybrid cache were classified by the ellipse that they had as Taylor records.
       if (options_.representation != Representation::kHybrid || !record.uses_harmonics())
-        record.curvature = classify_site(*charts_, record, options_.max_normal_deviation);
+        record.curvature = classify_site(*charts_, record, options_.turning_angle());
     });
     add_time(timer);
   }

@@ -2,6 +2,7 @@
 #include "placement/radiance_cache.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/error.h"
 
@@ -20,6 +21,9 @@ PackedRecord pack(const RadianceRecord& record) {
   p.cos_max_deviation = static_cast<float>(r.cos_max_deviation);
   p.split_sphere = r.split_sphere;
   p.inverse_deviation = static_cast<float>(r.inverse_deviation());
+  const ValidRegion widest = turned_widest(r);
+  p.cos_widest_deviation = static_cast<float>(widest.cos_max_deviation);
+  p.inverse_widest = static_cast<float>(widest.inverse_deviation());
   p.reach = std::max(p.radius1, p.radius2);
   // Derivatives per unit of (a, b), the offsets divided by the radii: they have radiance's unit.
   const auto in_frame = [&](const Vec3& axis, double radius) -> Vec2 {
@@ -35,6 +39,32 @@ PackedRecord pack(const RadianceRecord& record) {
     p.h12[c] = static_cast<float>(a.dot(jet.hessian * b));
     p.h22[c] = static_cast<float>(b.dot(jet.hessian * b));
   }
+  p.tilts = !record.uses_harmonics() &&
+            std::ranges::any_of(record.tilt, [](const TiltJet& t) { return !t.gradient.isZero(0.0); });
+  if (p.tilts) {
+    p.tan_max_deviation =
+        static_cast<float>(std::sqrt(1.0 / (r.cos_max_deviation * r.cos_max_deviation) - 1.0));
+    p.tangent = record.site.frame.tangent.cast<float>();
+    p.bitangent = record.site.frame.bitangent.cast<float>();
+    const Vec2 along_a = record.site.point.shape_operator * a, along_b = record.site.point.shape_operator * b;
+    for (int i = 0; i < 2; ++i) {
+      p.bend[0][i] = static_cast<float>(along_a[i]);
+      p.bend[1][i] = static_cast<float>(along_b[i]);
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      const TiltJet& t = record.tilt[c];
+      const Vec2 xa = t.mixed.transpose() * a, xb = t.mixed.transpose() * b;
+      p.n1[c] = static_cast<float>(t.gradient[0]);
+      p.n2[c] = static_cast<float>(t.gradient[1]);
+      p.x11[c] = static_cast<float>(xa[0]);
+      p.x12[c] = static_cast<float>(xa[1]);
+      p.x21[c] = static_cast<float>(xb[0]);
+      p.x22[c] = static_cast<float>(xb[1]);
+      p.m11[c] = static_cast<float>(t.hessian(0, 0));
+      p.m12[c] = static_cast<float>(t.hessian(0, 1));
+      p.m22[c] = static_cast<float>(t.hessian(1, 1));
+    }
+  }
   if (record.uses_harmonics()) p.harmonics = &record.harmonics->incident;
   for (int i = 0; i < 2; ++i) {
     p.in_frame[0][i] = static_cast<float>(a[i]);
@@ -47,16 +77,24 @@ PackedRecord pack(const RadianceRecord& record) {
   return p;
 }
 
-Coverage16 coverage(const PackedRecord& record, const V3x16& x, const V3x16& n, I16 applies, float support) {
+Coverage16 coverage(const PackedRecord& record, const V3x16& x, const V3x16& n, I16 applies, float support,
+                    Deviation deviation) {
   const V3x16 d = x - splat3(record.center);
   Coverage16 c;
   c.a = dot(d, splat3(record.scaled1));
   c.b = dot(d, splat3(record.scaled2));
   const F16 along_normal = dot(d, splat3(record.scaled_normal));
   const F16 kr = dot(n, splat3(record.normal));
+  if (record.tilts) {
+    const F16 inverse = 1.0f / max(kr, kLeastTiltCosine);
+    c.tau1 = dot(n, splat3(record.tangent)) * inverse - c.a * record.bend[0][0] - c.b * record.bend[1][0];
+    c.tau2 = dot(n, splat3(record.bitangent)) * inverse - c.a * record.bend[0][1] - c.b * record.bend[1][1];
+  }
+  const bool widest = deviation == Deviation::kWidest;
   const F16 kt2 = (c.a * c.a + c.b * c.b + along_normal * along_normal) * (1.0f / (support * support));
-  const F16 k = sqrt(kt2 + max(1.0f - kr, 0.0f) * record.inverse_deviation);
-  const I16 inside = applies & (kr >= record.cos_max_deviation);
+  const F16 k =
+      sqrt(kt2 + max(1.0f - kr, 0.0f) * (widest ? record.inverse_widest : record.inverse_deviation));
+  const I16 inside = applies & (kr >= (widest ? record.cos_widest_deviation : record.cos_max_deviation));
   if (record.split_sphere) {
     c.weight =
         select(inside, max(1.0f / max(k, static_cast<float>(kSmallestSplitDistance)) - 1.0f, 0.0f), F16{});
@@ -67,12 +105,34 @@ Coverage16 coverage(const PackedRecord& record, const V3x16& x, const V3x16& n, 
   return c;
 }
 
+Coverage16 drawn_in(const PackedRecord& record, const Coverage16& c, float most) {
+  const auto at_most = [](F16 size, float limit) { return min(limit / max(size, 1e-20f), 1.0f); };
+  const F16 share = at_most(sqrt(c.a * c.a + c.b * c.b), most);
+  Coverage16 result = {c.a * share, c.b * share, F16{}, F16{}, c.weight};
+  if (record.tilts) {
+    const auto bend = [&](const Coverage16& at, int i) {
+      return at.a * record.bend[0][i] + at.b * record.bend[1][i];
+    };
+    const F16 m1 = c.tau1 + bend(c, 0), m2 = c.tau2 + bend(c, 1);
+    const F16 turned = at_most(sqrt(m1 * m1 + m2 * m2), most * record.tan_max_deviation);
+    result.tau1 = m1 * turned - bend(result, 0);
+    result.tau2 = m2 * turned - bend(result, 1);
+  }
+  return result;
+}
+
 V3x16 extrapolate(const PackedRecord& record, const Coverage16& c, int order) {
   const F16 aa = 0.5f * c.a * c.a, ab = c.a * c.b, bb = 0.5f * c.b * c.b;
   const auto channel = [&](int i) {
     F16 v = splat(record.value[i]);
     if (order >= 1) v += c.a * record.g1[i] + c.b * record.g2[i];
     if (order >= 2) v += aa * record.h11[i] + ab * record.h12[i] + bb * record.h22[i];
+    if (record.tilts && order >= 1) v += c.tau1 * record.n1[i] + c.tau2 * record.n2[i];
+    if (record.tilts && order >= 2) {
+      v += c.tau1 * (c.a * record.x11[i] + c.b * record.x21[i] + 0.5f * c.tau1 * record.m11[i]) +
+           c.tau2 * (c.a * record.x12[i] + c.b * record.x22[i] + 0.5f * c.tau2 * record.m22[i]) +
+           c.tau1 * c.tau2 * record.m12[i];
+    }
     return max(v, 0.0f);
   };
   return {channel(0), channel(1), channel(2)};

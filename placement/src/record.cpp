@@ -15,7 +15,7 @@ std::vector<SurfaceReach> reaches_of(const SceneCharts& charts, std::span<const 
                                      double support) {
   std::vector<SurfaceReach> reaches(records.size());
   parallel_for(records.size(), [&](std::size_t i) {
-    reaches[i] = reach_over_surface(charts, records[i].site.point, records[i].region, support);
+    reaches[i] = reach_over_surface(charts, records[i].site.point, turned_widest(records[i].region), support);
   });
   return reaches;
 }

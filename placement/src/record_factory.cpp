@@ -111,12 +111,23 @@ Jet2 weighted(const Jet2& a, double share_of_a, const Jet2& b, double share_of_b
   return sum;
 }
 
+TiltJet weighted(const TiltJet& a, double share_of_a, const TiltJet& b, double share_of_b) {
+  TiltJet sum;
+  sum.gradient = share_of_a * a.gradient + share_of_b * b.gradient;
+  sum.mixed = share_of_a * a.mixed + share_of_b * b.mixed;
+  sum.hessian = share_of_a * a.hessian + share_of_b * b.hessian;
+  return sum;
+}
+
 /// The estimate of the rays of two independent ones together.
 RadianceEstimate pooled(const RadianceEstimate& a, double rays_of_a, const RadianceEstimate& b,
                         double rays_of_b) {
   const double sa = rays_of_a / (rays_of_a + rays_of_b), sb = 1.0 - sa;
   RadianceEstimate sum;
-  for (std::size_t c = 0; c < 3; ++c) sum.radiance[c] = weighted(a.radiance[c], sa, b.radiance[c], sb);
+  for (std::size_t c = 0; c < 3; ++c) {
+    sum.radiance[c] = weighted(a.radiance[c], sa, b.radiance[c], sb);
+    sum.tilt[c] = weighted(a.tilt[c], sa, b.tilt[c], sb);
+  }
   sum.luminance = weighted(a.luminance, sa, b.luminance, sb);
   sum.variance = weighted(a.variance, sa * sa, b.variance, sb * sb);
   sum.hits = a.hits.nearest <= b.hits.nearest ? a.hits : b.hits;
@@ -310,8 +321,7 @@ bool RecordFactory::is_narrow_edge(const RecordSite& site) const {
 
 bool RecordFactory::surely_needs_harmonics(const RecordSite& site) const {
   return options_.representation == Representation::kHybrid &&
-         options_.strategy == Strategy::kViewDependent &&
-         turn_over_pixel(site) > options_.max_normal_deviation &&
+         options_.strategy == Strategy::kViewDependent && turn_over_pixel(site) > options_.turning_angle() &&
          (options_.harmonics_rule == HarmonicsRule::kPaper || is_narrow_edge(site));
 }
 
@@ -324,20 +334,20 @@ HarmonicsReason RecordFactory::reason_for(const RadianceRecord& record) const {
   if (options_.records == 0 && !resolves_lobes_at(record.site)) return HarmonicsReason::kNone;
   const int order = gatherers_[static_cast<std::size_t>(record.site.point.material)]->order();
   const double cost = options_.records > 0 ? 1.0 : 2.0 + kCostOfOrder * order * order;
-  return records_replaced(record, options_.max_normal_deviation) > cost ? HarmonicsReason::kReplacesMany
-                                                                        : HarmonicsReason::kNone;
+  return records_replaced(record, options_.turning_angle()) > cost ? HarmonicsReason::kReplacesMany
+                                                                   : HarmonicsReason::kNone;
 }
 
 void RecordFactory::shape(RadianceRecord& record, const RegionRule& rule, const GatherOptions& gather,
                           RayCounts& counts) const {
   if (options_.representation == Representation::kHybrid) record.harmonics_reason = HarmonicsReason::kNone;
-  shape_record(record, rule);
+  const Bsdf& bsdf = charts_.scene().bsdfs()[static_cast<std::size_t>(record.site.point.material)];
+  const auto sharpness = static_cast<double>(bsdf.weighted_sharpness());
+  shape_record(record, rule, sharpness);
   if (options_.representation != Representation::kHybrid) return;
   // By the ellipse that the record would have with Taylor polynomials. The class takes a walk over the
   // surface: sites where it decides nothing get theirs once, when all records are made.
-  const auto classify = [&] {
-    record.curvature = classify_site(charts_, record, options_.max_normal_deviation);
-  };
+  const auto classify = [&] { record.curvature = classify_site(charts_, record, options_.turning_angle()); };
   const bool class_decides = options_.harmonics_rule == HarmonicsRule::kPaper || is_narrow_edge(record.site);
   if (class_decides) classify();
   record.harmonics_reason = reason_for(record);
@@ -347,7 +357,7 @@ void RecordFactory::shape(RadianceRecord& record, const RegionRule& rule, const 
     HitDistances hits;
     record.harmonics = gather_harmonics(record.site, gather, counts, hits);
   }
-  shape_record(record, rule);
+  shape_record(record, rule, sharpness);
 }
 
 }  // namespace vrc

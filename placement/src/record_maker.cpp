@@ -8,10 +8,12 @@
 namespace vrc {
 namespace {
 
-constexpr double kMaximumPictureShare = 0.1;  // [Zhao 5]
-constexpr double kSteepWall = 0.5;            // sine of the least angle between surface and wall
-constexpr double kMisfit = 30.0;              // squared errors beyond the accepted one, by the square of it
-constexpr double kAlongCrease = 6.0;          // times the nearest hit: along the crease of a wall
+constexpr double kMaximumPictureShare = 0.1;    // [Zhao 5]
+constexpr double kSteepWall = 0.5;              // sine of the least angle between surface and wall
+constexpr double kMisfit = 30.0;                // squared errors beyond the accepted one, by the square of it
+constexpr double kNormalDeviation = 0.95;       // theta_max by (threshold of eq. 4 / sharpness^2)^(1/8)
+constexpr double kWidestNormalDeviation = 0.3;  // of points that no region reaches [rad]
+constexpr double kAlongCrease = 6.0;            // times the nearest hit: along the crease of a wall
 
 /// The same surface half a pixel farther from the nearest hit; nothing when the surface ends there or turns
 /// so far that a record there would not serve the site.
@@ -74,6 +76,13 @@ Limits limits_of(const IncidentHarmonics& incident, const Mat2& half) {
                     std::sqrt(squared(luminances(0))));
 }
 
+/// theta_max of a record that is no split sphere. [rad]
+double largest_deviation(const RadianceRecord& record, const RegionRule& rule, double sharpness) {
+  if (record.uses_harmonics()) return kHarmonicsTurn;
+  const double given = rule.options->max_normal_deviation;
+  return given > 0.0 ? given : normal_deviation_for(rule.epsilon, sharpness);
+}
+
 /// What the radii bound the error of.
 const Jet2& metric_of(const RadianceRecord& record) {
   if (record.harmonics && record.harmonics->all_directions.value > 0.0)
@@ -116,7 +125,12 @@ double perceived(double value, double mean_luminance, double dark_share) {
 
 double split_sphere_share(double epsilon) { return 2.0 * std::pow(epsilon, 0.25); }
 
-void shape_record(RadianceRecord& record, const RegionRule& rule) {
+double normal_deviation_for(double epsilon, double sharpness) {
+  return std::min(kNormalDeviation * std::pow(epsilon / std::max(sharpness * sharpness, 1e-300), 0.125),
+                  kLargestNormalDeviation);
+}
+
+void shape_record(RadianceRecord& record, const RegionRule& rule, double sharpness) {
   const RecordSite& site = record.site;
   const double picture = site.pixel_length * rule.picture_width;
 
@@ -154,9 +168,10 @@ void shape_record(RadianceRecord& record, const RegionRule& rule) {
   region.radius2 = axes.radius2;
   region.normal_radius = std::min(axes.radius1, axes.radius2);
   region.split_sphere = split_sphere;
-  region.cos_max_deviation =
-      split_sphere ? 1.0 - std::min(0.5, share * share)
-                   : std::cos(record.uses_harmonics() ? kHarmonicsTurn : rule.options->max_normal_deviation);
+  region.cos_max_deviation = split_sphere ? 1.0 - std::min(0.5, share * share)
+                                          : std::cos(largest_deviation(record, rule, sharpness));
+  const bool widens = !split_sphere && rule.options->max_normal_deviation == 0.0;
+  region.cos_widest_deviation = widens ? std::cos(kWidestNormalDeviation) : 1.0;
   region.normals_count = rule.options->joint_weight;
   set_radiance(record, record.uses_harmonics() ? record.harmonics->radiance : record.estimate.radiance,
                rule.mean_luminance);
@@ -176,11 +191,18 @@ void set_radiance(RadianceRecord& record, const std::array<Jet2, 3>& jets, doubl
     record.gradient_factor = trust * common->gradient;
     record.hessian_factor = trust * trust * common->hessian;
   }
-  for (Jet2& jet : record.radiance) {
+  record.tilt = record.estimate.tilt;
+  for (std::size_t c = 0; c < 3; ++c) {
+    Jet2& jet = record.radiance[c];
     const double limit = perceived(jet.value, mean_luminance);
     const Limits limits = common ? *common : limits_of(jet, trust * half, limit);
-    jet.gradient *= trust * limits.gradient;
-    jet.hessian *= trust * trust * limits.hessian;
+    const double first = trust * limits.gradient, second = trust * trust * limits.hessian;
+    jet.gradient *= first;
+    jet.hessian *= second;
+    // The same, so that where the shape operator is wrong what it says of the normal still cancels.
+    record.tilt[c].gradient *= first;
+    record.tilt[c].mixed *= second;
+    record.tilt[c].hessian *= second;
     record.clamp_factor = std::min(record.clamp_factor, trust * std::min(limits.gradient, limits.hessian));
   }
 }

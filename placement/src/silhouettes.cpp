@@ -74,6 +74,23 @@ enum FarField {
   kFarFields
 };
 
+/// Derivatives of weight (d . nu) j, and of what the normal part of d adds to it.
+UnitJet<V3x16> strip(const V3x16& weight, F16 nu1, F16 nu2, F16 nun, const MovingPoint16& p,
+                     const UnitJet16& j) {
+  return {weight * nu1, weight * nu2, weight * (2.0f * j.g1 * nu1 - nun * p.s11),
+          weight * (j.g1 * nu2 + j.g2 * nu1 - nun * p.s12), weight * (2.0f * j.g2 * nu2 - nun * p.s22)};
+}
+TiltingJet<V3x16> strip(const V3x16& weight, F16 nu1, F16 nu2, F16 nun, const MovingPoint16& p,
+                        const TiltingJet16& j) {
+  TiltingJet<V3x16> result;
+  result.moved = strip(weight, nu1, nu2, nun, p, j.moved);
+  result.x11 = weight * (nu1 * j.n1);
+  result.x12 = weight * (nu1 * j.n2);
+  result.x21 = weight * (nu2 * j.n1);
+  result.x22 = weight * (nu2 * j.n2);
+  return result;
+}
+
 /// Straight pieces of silhouettes: found first, summed up sixteen at a time in the end.
 class Pieces {
  public:
@@ -131,11 +148,13 @@ class Pieces {
     }
   }
 
-  [[nodiscard]] RgbJet16 total() {
+  template <template <typename> typename Jet>
+  [[nodiscard]] Jet<V3x16> total() const {
+    Jet<V3x16> total;
     for (std::size_t begin = 0; begin < storage_.pieces.size(); begin += kLanes * kRun) {
-      for (std::size_t k = 0; k < kRun; ++k) add_to_sum(begin + k);
+      for (std::size_t k = 0; k < kRun; ++k) add_strips(begin + k, total);
     }
-    return sum_;
+    return total;
   }
 
  private:
@@ -244,7 +263,8 @@ class Pieces {
   }
 
   /// Adds piece `begin` and those kRun, 2 kRun, ... after it.
-  void add_to_sum(std::size_t begin) {
+  template <template <typename> typename Jet>
+  void add_strips(std::size_t begin, Jet<V3x16>& total) const {
     I16 valid{};
     I16 near{}, far{}, slot{}, strategy{};
     F16 side{};
@@ -293,18 +313,14 @@ class Pieces {
     const F16 nu1 = dot(nu, tangent_), nu2 = dot(nu, bitangent_), nun = dot(nu, n_);
     const F16 mean = max(0.5f * (a + b), 1e-12f);
     const MovingPoint16 moving = moving_point(rays_.frame(), w * (1.0f / mean));
-    const UnitJet16 spread = pow(moving.jet_rr, -2.0f);
+    UnitJet16 others = pow(moving.jet_rr, -2.0f);
+    others.g1 += far1;
+    others.g2 += far2;
     for (const Lobe& lobe : rays_.bsdf().lobes) {
       std::visit(
           [&](const auto& l) {
             const V3x16 weight = radiance * tint(l, d) * (shape(l, d) * swept);
-            const UnitJet16 jet = shape_jet(l, moving);
-            const F16 p1 = jet.g1 + spread.g1 + far1, p2 = jet.g2 + spread.g2 + far2;
-            sum_.g1 += weight * nu1;
-            sum_.g2 += weight * nu2;
-            sum_.h11 += weight * (2.0f * p1 * nu1 - nun * moving.s11);
-            sum_.h12 += weight * (p1 * nu2 + p2 * nu1 - nun * moving.s12);
-            sum_.h22 += weight * (2.0f * p2 * nu2 - nun * moving.s22);
+            total = sum(total, strip(weight, nu1, nu2, nun, moving, shape_jet<Jet<F16>>(l, moving) * others));
           },
           lobe);
     }
@@ -326,18 +342,20 @@ class Pieces {
   const GatherRays& rays_;
   Storage& storage_;
   V3x16 n_, tangent_, bitangent_;
-  RgbJet16 sum_;
 };
 
 }  // namespace
 
-RgbJet16 silhouette_derivatives(const HitGrid& grid, const GatherRays& rays) {
+template <template <typename> typename Jet>
+RgbSum16<Jet> silhouette_derivatives(const HitGrid& grid, const GatherRays& rays) {
   Pieces pieces(grid, rays);
   for (std::size_t s = 0; s < rays.square().strategies().size(); ++s) pieces.add(static_cast<int>(s));
-  RgbJet16 sum = pieces.total();
-  const F16 scale = splat(static_cast<float>(rays.ray_count()));
-  for (V3x16* part : {&sum.g1, &sum.g2, &sum.h11, &sum.h12, &sum.h22}) *part = *part * scale;
-  return sum;
+  RgbSum16<Jet> result;
+  result.jet = scaled(static_cast<float>(rays.ray_count()), pieces.total<Jet>());
+  return result;
 }
+
+template RgbJet16 silhouette_derivatives(const HitGrid&, const GatherRays&);
+template RgbTiltingJet16 silhouette_derivatives(const HitGrid&, const GatherRays&);
 
 }  // namespace vrc

@@ -25,6 +25,7 @@ namespace vrc {
 /// Returns sums that count like those of the rays: their mean is the sum over all rays divided by
 /// `rays.ray_count()`. The value is 0; the sixteen partial sums get runs of neighbouring pieces. The sum's
 /// bias falls with the size of the cells: unlike the rays' own mean it depends on their number.
-[[nodiscard]] RgbJet16 silhouette_derivatives(const HitGrid& grid, const GatherRays& rays);
+template <template <typename> typename Jet>
+[[nodiscard]] RgbSum16<Jet> silhouette_derivatives(const HitGrid& grid, const GatherRays& rays);
 
 }  // namespace vrc

@@ -99,7 +99,7 @@ TileRecords::Sphere TileRecords::bounds(const SurfacePoint16& p) {
 }
 
 /// The weight of eq. 14 is positive up to k = 1 / k_r.
-float TileRecords::reach_of(const PackedRecord& record) { return record.reach / record.cos_max_deviation; }
+float TileRecords::reach_of(const PackedRecord& record) { return record.reach / record.cos_widest_deviation; }
 
 bool TileRecords::may_reach(const PackedRecord& record, const SurfacePoint16& p, float support) {
   const V3x16 d = p.position - splat3(record.center);

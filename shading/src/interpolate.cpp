@@ -47,16 +47,15 @@ V3x16 from_harmonics(const PackedRecord& record, const Coverage16& c, int order,
 
 /// Limited derivatives hold up to `trusted` radii: farther out the value there is taken.
 WeightedSum blend_records(const TileRecords& records, std::size_t packet, int order, double support,
-                          double trusted, PacketResponse& response) {
+                          Deviation deviation, double trusted, PacketResponse& response) {
   WeightedSum sum;
-  records.for_each(packet, static_cast<float>(support), [&](const PackedRecord& record, const Coverage16& c) {
-    const F16 distance = sqrt(c.a * c.a + c.b * c.b);
-    const F16 inward = min(static_cast<float>(trusted) / max(distance, 1e-20f), 1.0f);
-    const Coverage16 limited = {c.a * inward, c.b * inward, c.weight};
-    const V3x16 value = record.harmonics != nullptr ? from_harmonics(record, limited, order, response)
-                                                    : extrapolate(record, limited, order);
-    sum.add(record, c.weight, value);
-  });
+  records.for_each(
+      packet, static_cast<float>(support), deviation, [&](const PackedRecord& record, const Coverage16& c) {
+        const Coverage16 limited = drawn_in(record, c, static_cast<float>(trusted));
+        const V3x16 value = record.harmonics != nullptr ? from_harmonics(record, limited, order, response)
+                                                        : extrapolate(record, limited, order);
+        sum.add(record, c.weight, value);
+      });
   return sum;
 }
 
@@ -67,11 +66,13 @@ Interpolated16 interpolate(const TileRecords& records, std::size_t packet, int t
   if (!any(p.scatters)) return {};
   const V3x16 to_viewer = -records.tile().packets[packet].direction;
   PacketResponse response(records.cache().brdfs().get(), p, to_viewer);
-  Interpolated16 result = blend_records(records, packet, taylor_order, support, support, response).blend();
+  Interpolated16 result =
+      blend_records(records, packet, taylor_order, support, Deviation::kAccepted, support, response).blend();
   result.open &= p.scatters;
   if (const I16 missed = result.open; any(missed)) {
     const Interpolated16 wide =
-        blend_records(records, packet, taylor_order, kWideSupport, support, response).blend();
+        blend_records(records, packet, taylor_order, kWideSupport, Deviation::kWidest, support, response)
+            .blend();
     result.radiance = select(missed, wide.radiance, result.radiance);
     result.squared_error = select(missed, wide.squared_error, result.squared_error);
     result.open &= wide.open;

@@ -49,7 +49,7 @@ TEST_F(CurvatureCommand, OfASphereIsItsReciprocalRadius) {
       const auto grow = [](double& error, double value) { error = std::max(error, std::abs(value)); };
       for (const char* name : {"k1", "k2", "mean", "quality"}) grow(k_error, vertex.at(name) - 0.5);
       grow(gauss_error, vertex.at("gauss") - 0.25);
-      grow(radius_error, vertex.at("sh_radius") / (2.0 * CacheOptions{}.max_normal_deviation) - 1.0);
+      grow(radius_error, vertex.at("sh_radius") / (2.0 * kLargestNormalDeviation) - 1.0);
       const Vec3 n = vector_of(vertex, "n"), d1 = vector_of(vertex, "d1"), d2 = vector_of(vertex, "d2");
       grow(frame_error, d1.cross(d2).dot(n) - 1.0);
       grow(frame_error, d1.dot(d2));

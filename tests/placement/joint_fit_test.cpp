@@ -126,6 +126,47 @@ void fit(std::vector<RadianceRecord>& records, const CacheOptions& options) {
   fit_jointly(plane().charts, records, reaches_of(plane().charts, records, kFitSupport), rule_with(options));
 }
 
+TEST(JointFit, KnowsHowValuesFollowTheNormals) {
+  // Normals that no shape operator tells: the field plus a quadratic of their tilts.
+  const CacheOptions options;
+  test::SeededBits bits(13);
+  std::vector<RadianceRecord> records = lattice(0, 0, 0);
+  const auto by_tilt = [](const Vec2& m) {
+    return 0.8 * m[0] - 0.5 * m[1] + m[0] * m[0] - 0.7 * m[0] * m[1];
+  };
+  for (RadianceRecord& record : records) {
+    const Vec2 m(0.04 * (bits.uniform() - 0.5), 0.04 * (bits.uniform() - 0.5));
+    record.site.point.normal = record.region.normal = Vec3(m[0], m[1], 1.0).normalized();
+    record.site.frame.normal = record.region.normal;
+    record.site.frame.tangent = Vec3(1.0, 0.0, -m[0]).normalized();
+    record.site.frame.bitangent = record.site.frame.normal.cross(record.site.frame.tangent);
+    for (std::size_t c = 0; c < 3; ++c) {
+      record.estimate.radiance[c].value += by_tilt(m);
+      TiltJet& t = record.estimate.tilt[c];
+      t.gradient = {0.8 + 2.0 * m[0] - 0.7 * m[1], -0.5 - 0.7 * m[0]};
+      t.hessian << 2.0, -0.7, -0.7, 0.0;
+    }
+  }
+  const std::vector<RadianceRecord> before = records;
+  const auto deviation = [&](const std::vector<RadianceRecord>& fitted) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < fitted.size(); ++i)
+      sum += std::pow(fitted[i].radiance[0].value - before[i].estimate.radiance[0].value, 2);
+    return std::sqrt(sum / static_cast<double>(fitted.size()));
+  };
+  for (RadianceRecord& record : records) {  // noisy ones, so that neighbours count
+    record.estimate.variance.value = 1e-4;
+    record.estimate.variance.gradient.setConstant(1e-2);
+    record.estimate.variance.hessian.setConstant(1.0);
+  }
+  std::vector<RadianceRecord> ignorant = records;
+  for (RadianceRecord& record : ignorant) record.estimate.tilt = {};
+  fit(records, options);
+  fit(ignorant, options);
+  EXPECT_LT(deviation(records), 1e-4);
+  EXPECT_GT(deviation(ignorant), 10.0 * deviation(records));
+}
+
 TEST(JointFit, LeavesNoiselessRecordsOfAQuadraticFieldUnchanged) {
   const CacheOptions options;
   std::vector<RadianceRecord> records = lattice(0, 0, 0);

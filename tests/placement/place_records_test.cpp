@@ -47,7 +47,7 @@ std::uint64_t uncovered_samples(const Picture& picture, const RadianceCache& cac
     const TileRecords records(cache, tile);
     for (std::size_t packet = 0; packet < tile.points.size(); ++packet) {
       I16 open = tile.points[packet].scatters;
-      records.for_each(packet, static_cast<float>(kWideSupport),
+      records.for_each(packet, static_cast<float>(kWideSupport), Deviation::kWidest,
                        [&](const PackedRecord&, const Coverage16& c) { open &= ~(c.weight > 0.0f); });
       uncovered += lane_count(open);
     }
@@ -93,7 +93,7 @@ TEST(PlaceRecords, WithoutAnOverturePixelsBlendOnlyWhatTheyOrEarlierOnesAskedFor
   const TileRecords records(cache, tile);
   std::size_t blended = 0;
   for (const std::size_t packet : {0u, 1u}) {
-    records.for_each(packet, 1.0f, [&](const PackedRecord& record, const Coverage16&) {
+    records.for_each(packet, 1.0f, Deviation::kAccepted, [&](const PackedRecord& record, const Coverage16&) {
       EXPECT_LE(record.turn, turn_of(tile.pixels[packet].x, tile.pixels[packet].y));
       ++blended;
     });

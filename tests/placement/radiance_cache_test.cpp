@@ -31,12 +31,30 @@ RadianceRecord random_record(test::SeededBits& bits) {
   r.normal_radius = r.radius2;
   r.cos_max_deviation = std::cos(0.1);
   r.normals_count = bits.uniform() < 0.8;
+  r.cos_widest_deviation = std::cos(0.3);
   for (Jet2& j : record.radiance) {
     j.value = bits.uniform();
     j.gradient = {20.0 * bits.uniform() - 10.0, 20.0 * bits.uniform() - 10.0};
     j.hessian(0, 0) = 200.0 * bits.uniform() - 100.0;
     j.hessian(1, 1) = 200.0 * bits.uniform() - 100.0;
     j.hessian(0, 1) = j.hessian(1, 0) = 200.0 * bits.uniform() - 100.0;
+  }
+  return record;
+}
+
+/// With a surface that bends and derivatives by tilts.
+RadianceRecord random_tilting_record(test::SeededBits& bits) {
+  RadianceRecord record = random_record(bits);
+  const auto number = [&](double size) { return size * (2.0 * bits.uniform() - 1.0); };
+  Mat2& s = record.site.point.shape_operator;
+  s << number(2.0), number(2.0), 0.0, number(2.0);
+  s(1, 0) = s(0, 1);
+  record.site.point.position = record.region.center;
+  for (TiltJet& t : record.tilt) {
+    t.gradient = {number(4.0), number(4.0)};
+    t.mixed << number(20.0), number(20.0), number(20.0), number(20.0);
+    t.hessian << number(40.0), number(40.0), 0.0, number(40.0);
+    t.hessian(1, 0) = t.hessian(0, 1);
   }
   return record;
 }
@@ -93,6 +111,26 @@ TEST(Coverage16, AgreesWithTheWeightInDoublePrecision) {
   EXPECT_GT(positive, 1000);
 }
 
+TEST(Coverage16, HoldsNormalsUpToTheWidestDeviationWhereAsked) {
+  test::SeededBits bits(9);
+  int only_widest = 0;
+  for (RadianceRecord record : random_records(200)) {
+    record.region.cos_max_deviation = std::cos(0.05);
+    const PackedRecord packed = pack(record);
+    const Points16 points(record, bits);
+    const Coverage16 c = coverage(packed, points.x, points.n, splat(-1), 1.4f);
+    const Coverage16 wide = coverage(packed, points.x, points.n, splat(-1), 1.4f, Deviation::kWidest);
+    const ValidRegion widest = turned_widest(record.region);
+    EXPECT_EQ(widest.cos_max_deviation, std::cos(0.3));
+    for (int i = 0; i < kLanes; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      EXPECT_NEAR(wide.weight[i], weight(widest, points.position[k], points.normal[k], 1.4), 3e-4);
+      only_widest += wide.weight[i] > 0.0f && c.weight[i] == 0.0f;
+    }
+  }
+  EXPECT_GT(only_widest, 200);
+}
+
 TEST(Extrapolate, IsTheTaylorPolynomialCutOffAtZero) {
   test::SeededBits bits(8);
   int cut_off = 0;
@@ -115,6 +153,53 @@ TEST(Extrapolate, IsTheTaylorPolynomialCutOffAtZero) {
     }
   }
   EXPECT_GT(cut_off, 100);
+}
+
+TEST(Extrapolate, KnowsWhatTheNormalTiltsBeyondTheShapeOperator) {
+  test::SeededBits bits(10);
+  double largest = 0.0;
+  for (int run = 0; run < 200; ++run) {
+    const RadianceRecord record = random_tilting_record(bits);
+    const PackedRecord packed = pack(record);
+    const Points16 points(record, bits);
+    const Coverage16 c = coverage(packed, points.x, points.n, splat(-1), 1.4f);
+    // Half as far, and half of theta_max.
+    const Coverage16 inside = drawn_in(packed, c, 0.5f);
+    const double farthest = 0.5 * std::tan(0.1);
+    for (int i = 0; i < kLanes; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const auto check = [&](const Coverage16& at, const Vec3& offset, const Vec3& normal) {
+        const Vec2 d(offset.dot(record.site.frame.tangent), offset.dot(record.site.frame.bitangent));
+        const Vec2 tau = tilt_beyond_shape(record.site, d, normal);
+        largest = std::max(largest, tau.norm());
+        for (int order = 1; order <= 2; ++order) {
+          const V3x16 value = extrapolate(packed, at, order);
+          for (std::size_t channel = 0; channel < 3; ++channel) {
+            const TiltJet& tilt = record.tilt[channel];
+            const double change = order == 2 ? tilt.change(d, tau) : tilt.gradient.dot(tau);
+            const double expected = record.radiance[channel].extrapolate(d, order) + change;
+            const F16& lanes = channel == 0 ? value.x : channel == 1 ? value.y : value.z;
+            EXPECT_NEAR(lanes[i], std::max(expected, 0.0), 3e-4);
+          }
+        }
+      };
+      const Vec3 offset = points.position[k] - record.region.center, n = record.region.normal;
+      check(c, offset, points.normal[k]);
+      const double distance = std::hypot(static_cast<double>(c.a[i]), static_cast<double>(c.b[i]));
+      const Vec3 m = points.normal[k] / points.normal[k].dot(n) - n;
+      check(inside, std::min(1.0, 0.5 / distance) * offset, n + std::min(1.0, farthest / m.norm()) * m);
+    }
+  }
+  EXPECT_GT(largest, 0.1);
+}
+
+TEST(Extrapolate, TiltsInAnyOneChannel) {
+  test::SeededBits bits(12);
+  RadianceRecord record = random_tilting_record(bits);
+  record.tilt[0] = record.tilt[1] = {};
+  EXPECT_TRUE(pack(record).tilts);
+  record.tilt[2] = {};
+  EXPECT_FALSE(pack(record).tilts);
 }
 
 }  // namespace

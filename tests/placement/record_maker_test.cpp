@@ -79,6 +79,49 @@ TEST(SetRadiance, LeavesModestDerivativesAlone) {
   for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(test::entries(record.radiance[c]), test::entries(jets[c]));
 }
 
+TEST(SetRadiance, LimitsTiltsAsItLimitsTheDerivativesOfTheSameOrder) {
+  test::SeededBits bits(6);
+  for (int run = 0; run < 50; ++run) {
+    RadianceRecord record = flat_record(0.2, 0.05);
+    const std::array<Jet2, 3> jets = random_jets(bits, 1e3);
+    for (TiltJet& t : record.estimate.tilt) {
+      t.gradient = {1.0, -2.0};
+      t.mixed << 3.0, 4.0, 5.0, 6.0;
+      t.hessian << 7.0, 8.0, 8.0, 9.0;
+    }
+    set_radiance(record, jets, kMean);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const TiltJet &gathered = record.estimate.tilt[c], &tilt = record.tilt[c];
+      const double first = record.radiance[c].gradient.norm() / jets[c].gradient.norm();
+      const double second = record.radiance[c].hessian.norm() / jets[c].hessian.norm();
+      EXPECT_LT((tilt.gradient - first * gathered.gradient).norm(), 1e-12);
+      EXPECT_LT((tilt.mixed - second * gathered.mixed).norm(), 1e-12);
+      EXPECT_LT((tilt.hessian - second * gathered.hessian).norm(), 1e-12);
+    }
+  }
+}
+
+TEST(NormalDeviation, FollowsTheLobeAndTheThreshold) {
+  EXPECT_NEAR(normal_deviation_for(1.5e-4, 100.0), 0.1, 1e-3);
+  EXPECT_NEAR(normal_deviation_for(1.5e-4, 1600.0), 0.05, 5e-4);
+  EXPECT_NEAR(normal_deviation_for(1.5e-4 / 256.0, 100.0), 0.05, 5e-4);
+  EXPECT_EQ(normal_deviation_for(1.5e-4, 0.0), kLargestNormalDeviation);
+  EXPECT_EQ(normal_deviation_for(1e-2, 5.0), kLargestNormalDeviation);
+
+  CacheOptions options;
+  RegionRule rule;
+  rule.options = &options;
+  RadianceRecord record = flat_record(1, 1);
+  record.site.pixel_length = 0.01;
+  shape_record(record, rule, 400.0);
+  EXPECT_EQ(record.region.cos_max_deviation, std::cos(normal_deviation_for(rule.epsilon, 400.0)));
+  EXPECT_LT(record.region.cos_widest_deviation, std::cos(kLargestNormalDeviation));
+  options.max_normal_deviation = 0.2;
+  shape_record(record, rule, 400.0);
+  EXPECT_EQ(record.region.cos_max_deviation, std::cos(0.2));
+  EXPECT_EQ(turned_widest(record.region).cos_max_deviation, std::cos(0.2));
+}
+
 TEST(Perceived, StaysAwayFromZeroInTheDark) {
   EXPECT_NEAR(perceived(0.0, 0.5), 0.1, 1e-12);
   EXPECT_NEAR(perceived(100.0, 0.5), 100.0, 1e-3);
@@ -101,7 +144,7 @@ TEST(ShapeRecord, KeepsTheRadiiBetweenOnePixelAndATenthOfThePicture) {
       record.estimate.hits.nearest_normal =
           Vec3(bits.uniform() - 0.5, bits.uniform() - 0.5, 0.2).normalized();
     }
-    shape_record(record, rule);
+    shape_record(record, rule, 0.0);
     const ValidRegion& r = record.region;
     for (const double radius : {r.radius1, r.radius2}) {
       EXPECT_GE(radius, 0.01);
@@ -128,7 +171,7 @@ TEST(ShapeRecord, TellsWhatRegionsLargerThanTheAccuracyAllowsMiss) {
     record.estimate.luminance.value = 0.5;
     record.estimate.luminance.hessian = bend * Mat2::Identity();
     record.estimate.radiance.fill(record.estimate.luminance);
-    shape_record(record, rule);
+    shape_record(record, rule, 0.0);
     return record.misfit;
   };
   // Radii fall as the fourth root of the Hessian, below a pixel from this one on.

@@ -112,7 +112,7 @@ TEST(ClassifySite, EveryPlacedRecordHasItsClass) {
   std::array<int, kCurvatureReasons> count{};
   for (const RadianceRecord& r : place_records(scene, {0, 0, 64, 64, &film}, options, 1, 1, {}).records) {
     ++count[static_cast<std::size_t>(r.curvature.reason)];
-    EXPECT_EQ(r.curvature.needs_sh(), r.curvature.deviation > options.max_normal_deviation);
+    EXPECT_EQ(r.curvature.needs_sh(), r.curvature.deviation > options.turning_angle());
     EXPECT_EQ(r.curvature.reason == CurvatureReason::kFlat, r.curvature.deviation <= 1e-6);
   }
   EXPECT_GT(count[static_cast<std::size_t>(CurvatureReason::kFlat)], 100);

@@ -102,7 +102,7 @@ std::vector<double> weights_at(const RadianceCache& cache, const std::vector<Sur
     const Tile tile = tile_of(some);
     F16 sum{};
     TileRecords(cache, tile)
-        .for_each(0, static_cast<float>(support),
+        .for_each(0, static_cast<float>(support), Deviation::kAccepted,
                   [&](const PackedRecord&, const Coverage16& c) { sum += c.weight; });
     for (std::size_t i = 0; i < some.size(); ++i)
       result.push_back(static_cast<double>(sum[static_cast<int>(i)]));

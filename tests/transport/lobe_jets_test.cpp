@@ -23,12 +23,13 @@ struct Config {
   Vec3 reflector_normal, light;  ///< At y.
 };
 
-/// The record's point and normal after the tangent displacement d, by definition.
+/// The record's point and normal after the tangent displacement d and a tilt t beyond the shape operator's,
+/// by definition.
 struct Moved {
   Vec3 x, n;
-  Moved(const Mat2& s, const Vec2& d) {
-    const Vec2 turn = s * d;
-    x = Vec3(d.x(), d.y(), -0.5 * d.dot(turn));
+  Moved(const Mat2& s, const Vec2& d, const Vec2& t = Vec2::Zero()) {
+    const Vec2 bend = s * d, turn = bend + t;
+    x = Vec3(d.x(), d.y(), -0.5 * d.dot(bend));
     n = Vec3(turn.x(), turn.y(), 1.0).normalized();
   }
 };
@@ -55,6 +56,29 @@ Derivatives finite_differences(const Scalar& f, double h) {
     result[i] = (16 * bc - ab) / 15 / value;
   }
   return result;
+}
+
+/// Mixed derivatives d^2 f / dd_i dt_j over f(0, 0), row by row, by Richardson extrapolation.
+using ScalarOfTwo = std::function<double(const Vec2& d, const Vec2& t)>;
+std::array<double, 4> mixed_differences(const ScalarOfTwo& f, double hd, double ht) {
+  const double value = f(Vec2::Zero(), Vec2::Zero());
+  std::array<double, 4> result{};
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) {
+      const auto differences = [&](double a, double b) {
+        const Vec2 d = a * Vec2::Unit(i), t = b * Vec2::Unit(j);
+        return (f(d, t) - f(d, -t) - f(-d, t) + f(-d, -t)) / (4.0 * a * b * value);
+      };
+      const double x = differences(hd, ht), y = differences(hd / 2, ht / 2), z = differences(hd / 4, ht / 4);
+      result[static_cast<std::size_t>(2 * i + j)] = (16 * (4 * z - y) / 3 - (4 * y - x) / 3) / 15;
+    }
+  }
+  return result;
+}
+
+TiltingJet16 along(const Mat2& s, const TiltingJet16& j) {
+  const Eigen::Matrix2f f = s.cast<float>();
+  return along_surface(j, f(0, 0), f(0, 1), f(1, 1));
 }
 
 Derivatives lane_of(const UnitJet16& j, int i) { return {j.g1[i], j.g2[i], j.h11[i], j.h12[i], j.h22[i]}; }
@@ -181,12 +205,49 @@ TEST_P(LobeJets, ShapeMatchesFiniteDifferences) {
               const Moved m(c.s, d);
               return shape(lobe, m.n, c.hit - m.x, c.camera - m.x);
             };
-            expect_jet(lane_of(shape_jet(lobe, p), i % kLanes), finite_differences(f, step(c)), c.hit.norm(),
+            const Derivatives total = lane_of(along(c.s, shape_jet<TiltingJet16>(lobe, p)).moved, i % kLanes);
+            expect_jet(total, finite_differences(f, step(c)), c.hit.norm(),
                        fmt::format("configuration {}", i));
+            // Without tilts, for surfaces that do not bend.
+            if (c.s.isZero())
+              expect_jet(lane_of(shape_jet<UnitJet16>(lobe, p), i % kLanes), total, c.hit.norm(), "flat");
           };
           check([](const auto&... all) { return moved_shape(all...); });
           p.masking_moves = false;
           check([](const auto&... all) { return moved_without_masking(all...); });
+        },
+        GetParam().lobe);
+  }
+}
+
+TEST_P(LobeJets, TiltsMatchFiniteDifferences) {
+  Configs configs(25);
+  for (int i = 0; i < kConfigs; ++i) {
+    const Config c = configs.next(GetParam().spread);
+    const MovingPoint16 p = moving(c);
+    const double tilt_step = 0.05 * GetParam().width;
+    std::visit(
+        [&](const auto& lobe) {
+          const ScalarOfTwo f = [&](const Vec2& d, const Vec2& t) {
+            const Moved m(c.s, d, t);
+            return moved_shape(lobe, m.n, c.hit - m.x, c.camera - m.x);
+          };
+          const TiltingJet16 j = along(c.s, shape_jet<TiltingJet16>(lobe, p));
+          const int lane = i % kLanes;
+          const Derivatives by_tilt = {j.n1[lane], j.n2[lane], j.m11[lane], j.m12[lane], j.m22[lane]};
+          expect_jet(by_tilt,
+                     finite_differences([&](const Vec2& t) { return f(Vec2::Zero(), t); }, tilt_step), 1.0,
+                     fmt::format("tilts of configuration {}", i));
+          const std::array<double, 4> mixed = {j.x11[lane], j.x12[lane], j.x21[lane], j.x22[lane]};
+          const auto expected = mixed_differences(f, step(c), tilt_step);
+          // The scale of products of a derivative by d and one by t.
+          const Derivatives by_place = lane_of(j.moved, lane);
+          const auto size = [](const Derivatives& v) {
+            return std::max(std::hypot(v[0], v[1]), std::sqrt(std::hypot(v[2], std::sqrt(2.0) * v[3], v[4])));
+          };
+          const double scale = std::max(size(by_place), 1.0 / c.hit.norm()) * std::max(size(by_tilt), 1.0);
+          for (std::size_t k = 0; k < 4; ++k)
+            ASSERT_NEAR(mixed[k], expected[k], 1e-3 * scale) << "configuration " << i << ", entry " << k;
         },
         GetParam().lobe);
   }
@@ -272,8 +333,11 @@ TEST(MovingPoint, BasisJetsMatchFiniteDifferences) {
           finite_differences([&](const Vec2& d) { return f(Moved(c.s, d)); }, 0.05 * length);
       expect_jet(lane_of(jet, 7), expected, jet_length, fmt::format("{} of configuration {}", what, i));
     };
-    check(p.jet_nr, length, "n.r", [&](const Moved& m) { return m.n.dot(c.hit - m.x); });
-    check(p.jet_nv, length, "n.v", [&](const Moved& m) { return m.n.dot(c.camera - m.x); });
+    const auto total = [&](const TiltingJet16& jet) { return along(c.s, jet).moved; };
+    check(total(jet_of_nr<TiltingJet16>(p)), length, "n.r",
+          [&](const Moved& m) { return m.n.dot(c.hit - m.x); });
+    check(total(jet_of_nv<TiltingJet16>(p)), length, "n.v",
+          [&](const Moved& m) { return m.n.dot(c.camera - m.x); });
     check(p.jet_rr, length, "r.r", [&](const Moved& m) { return (c.hit - m.x).squaredNorm(); });
     check(p.jet_vv, length, "v.v", [&](const Moved& m) { return (c.camera - m.x).squaredNorm(); });
     const Vec3 a = c.light;
@@ -300,7 +364,10 @@ TEST(LobeJetsAtTheirLimits, StayFinite) {
     for (const Lobe& lobe : lobes) {
       std::visit(
           [&](const auto& l) {
-            for (const UnitJet16& jet : {shape_jet(l, p), reflector_jet(l, y, p)}) {
+            const TiltingJet16 tilting = shape_jet<TiltingJet16>(l, p);
+            const UnitJet16 by_tilt = {tilting.n1, tilting.n2, tilting.m11, tilting.m12, tilting.m22};
+            const UnitJet16 mixed = {tilting.x11, tilting.x12, tilting.x21, tilting.x22, F16{}};
+            for (const UnitJet16& jet : {tilting.moved, by_tilt, mixed, reflector_jet(l, y, p)}) {
               for (const double v : lane_of(jet, 0)) EXPECT_TRUE(std::isfinite(v)) << hit.transpose();
             }
           },

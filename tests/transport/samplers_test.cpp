@@ -209,5 +209,17 @@ TEST(LightSampler, EnvironmentAndTrianglesFollowTheirDensity) {
   test_lights(Lights({kFrontal}, {}, Rgb::Ones(), 0.5), n, SphereGrid(Vec3(0, 0, 1), 2), 19);
 }
 
+TEST(Bsdf, WeightsSharpnessByTheLobesShares) {
+  const auto material = [](std::vector<Lobe> lobes) { return Bsdf(Material{"m", std::move(lobes), true}); };
+  const LambertLobe diffuse{Rgb::Constant(0.6f)};
+  const PhongLobe wide{Rgb::Constant(0.2f), 50.0f};
+  const GgxLobe narrow{Rgb::Constant(0.2f), 0.05f};  // as a Phong lobe of exponent 200
+  EXPECT_EQ(material({diffuse}).weighted_sharpness(), 0.0f);
+  EXPECT_NEAR(material({wide}).weighted_sharpness(), 50.0f, 1e-4f);
+  EXPECT_NEAR(material({diffuse, wide}).weighted_sharpness(), 12.5f, 1e-3f);
+  EXPECT_NEAR(material({diffuse, wide, narrow}).weighted_sharpness(), 40.0f, 1e-2f);
+  EXPECT_NEAR(material({diffuse, wide, narrow}).sharpness(), 200.0f, 1e-2f);
+}
+
 }  // namespace
 }  // namespace vrc

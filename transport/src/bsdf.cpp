@@ -5,6 +5,17 @@
 #include <numeric>
 
 namespace vrc {
+namespace {
+
+/// As a Phong lobe's; 0 of a diffuse one.
+float exponent_of(const Lobe& lobe) {
+  if (const auto* phong = std::get_if<PhongLobe>(&lobe)) return phong->exponent;
+  // A GGX lobe of half-vector width alpha is as narrow as a Phong lobe of exponent 1 / (2 alpha^2).
+  if (const auto* ggx = std::get_if<GgxLobe>(&lobe)) return 0.5f / (ggx->alpha * ggx->alpha);
+  return 0.0f;
+}
+
+}  // namespace
 
 Bsdf::Bsdf(const Material& material) : two_sided(material.two_sided) {
   Material normalized = material;
@@ -17,12 +28,14 @@ Bsdf::Bsdf(const Material& material) : two_sided(material.two_sided) {
 
 float Bsdf::sharpness() const {
   float result = 0.0f;
-  for (const Lobe& lobe : lobes) {
-    if (const auto* phong = std::get_if<PhongLobe>(&lobe)) result = std::max(result, phong->exponent);
-    // A GGX lobe of half-vector width alpha is as narrow as a Phong lobe of exponent 1 / (2 alpha^2).
-    if (const auto* ggx = std::get_if<GgxLobe>(&lobe))
-      result = std::max(result, 0.5f / (ggx->alpha * ggx->alpha));
-  }
+  for (const Lobe& lobe : lobes) result = std::max(result, exponent_of(lobe));
+  return result;
+}
+
+float Bsdf::weighted_sharpness() const {
+  float result = 0.0f;
+  for (std::size_t i = 0; i < lobes.size(); ++i)
+    result = std::max(result, probabilities[i] * exponent_of(lobes[i]));
   return result;
 }
 

@@ -48,12 +48,12 @@ struct RecordMapEntry {
 ///   relative_curvature, exponent, reason, is_sh, sh_reason, needs_sh, region, face, patch, u v, rays,
 ///   px py, p1x p1y, p2x p2y.
 /// `quality` is the largest |eigenvalue| of the Hessian and `radius` is sqrt(r1 r2). `deviation` is the
-/// angle by which the normal turns in the region [rad], `needs_sh` is 1 where it is above theta_max, and
-/// `reason` says what decided: 0 flat, 1 turns-little, 2 ellipse-turns, 3 surface-turns. `is_sh` is 1
-/// for records that hold spherical harmonics, and `sh_reason` says why: 0 none, 1 always, 2 turns,
-/// 3 replaces-many, 4 narrow. `px` to `p2y` are the record's position and half axes in the picture [pixels].
-/// In .csv files reasons are words. Absent numbers are -1. Colours map the logarithm of `radius` over the
-/// range of the file, dark for small; records of spherical harmonics are orange.
+/// angle by which the normal turns in the region [rad], `needs_sh` is 1 where it is above the theta_max that
+/// is given or else 0.15 rad, and `reason` says what decided: 0 flat, 1 turns-little, 2 ellipse-turns, 3
+/// surface-turns. `is_sh` is 1 for records that hold spherical harmonics, and `sh_reason` says why: 0 none, 1
+/// always, 2 turns, 3 replaces-many, 4 narrow. `px` to `p2y` are the record's position and half axes in the
+/// picture [pixels]. In .csv files reasons are words. Absent numbers are -1. Colours map the logarithm of
+/// `radius` over the range of the file, dark for small; records of spherical harmonics are orange.
 [[nodiscard]] SurfaceExport record_map(std::span<const RecordMapEntry> records);
 
 /// The records' ellipses on the surface, those of record i being ellipses[i], with the arrays

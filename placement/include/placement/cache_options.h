@@ -54,6 +54,8 @@ enum class HarmonicsRule {
 /// What the noise of records and hard pixels follow where the number of records is given.
 inline constexpr double kErrorWithNumber = 0.03;
 
+inline constexpr double kLargestNormalDeviation = 0.15;  // [rad]
+
 /// How records are made. The defaults need no tuning on ordinary scenes.
 struct CacheOptions {
   double error = 0.02;  ///< Accepted relative error of the picture; smaller makes more records.
@@ -71,7 +73,9 @@ struct CacheOptions {
   bool joint_weight = true;  ///< Normals count in the distance of eq. 14; false: k_t alone.
   Sampler sampler = Sampler::kImage;
   PlacementMetric metric = PlacementMetric::kHessian;
-  double max_normal_deviation = 0.15;  ///< theta_max of eq. 13. [rad]
+  /// theta_max of eq. 13; 0: by the lobes of each material and the error, kLargestNormalDeviation at most.
+  /// [rad]
+  double max_normal_deviation = 0.0;
   /// Of g g^T / L in the metric of eq. 4, for slopes where H passes 0; 0: eq. 4.
   double gradient_share = 1.0;
   /// Of the picture's mean luminance, added in quadrature to the L of eq. 4 where that would vanish; 0: L.
@@ -93,6 +97,11 @@ struct CacheOptions {
   /// so that a pixel blends only what it or earlier pixels asked for [Zhao 3]. Then without what needs all
   /// records (joint_fit, hard_pixels, error_of_picture) and not with Sampler::kSurface.
   bool overture = true;
+
+  /// What decides whether a surface turns: the theta_max that is given, or the largest.
+  [[nodiscard]] double turning_angle() const {
+    return max_normal_deviation > 0.0 ? max_normal_deviation : kLargestNormalDeviation;
+  }
 };
 
 }  // namespace vrc

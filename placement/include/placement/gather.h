@@ -55,9 +55,28 @@ struct HitDistances {
   double mean_inverse = 0.0;              ///< Mean of 1 / distance over the rays. [1/length]
 };
 
+/// What radiance changes by when the normal turns otherwise than the shape operator S says: a point displaced
+/// by d has the normal n + S d + tau, normalised. On meshes S changes from triangle to triangle.
+struct TiltJet {
+  Vec2 gradient = Vec2::Zero();
+  Mat2 mixed = Mat2::Zero();  ///< Second derivatives by d (rows) and tau (columns).
+  Mat2 hessian = Mat2::Zero();
+
+  [[nodiscard]] double change(const Vec2& d, const Vec2& tau) const {
+    return gradient.dot(tau) + d.dot(mixed * tau) + 0.5 * tau.dot(hessian * tau);
+  }
+};
+
+/// The least cosine with the record's normal that the tangential part of another is divided by.
+inline constexpr float kLeastTiltCosine = 0.5f;
+
+/// The tau of a normal at tangent displacement d.
+[[nodiscard]] Vec2 tilt_beyond_shape(const RecordSite& site, const Vec2& d, const Vec3& normal);
+
 /// Outgoing radiance towards the camera and its derivatives on the surface [Zhao eq. 8-12].
 struct RadianceEstimate {
   std::array<Jet2, 3> radiance;  ///< Per channel, in the site's frame.
+  std::array<TiltJet, 3> tilt;   ///< Per channel; 0 where the derivatives do not follow the surface.
   Jet2 luminance;                ///< Of `radiance`.
   Jet2 variance;                 ///< Of each entry of `luminance`, from sixteen batches.
   HitDistances hits;

@@ -47,7 +47,8 @@ struct PlacementResult {
 /// The records of a placement, to be looked up.
 [[nodiscard]] RadianceCache cache_of(PlacementResult&& placed);
 
-/// Points that nothing covers are reached by regions widened so far before they get records.
+/// Points that nothing covers are reached by regions widened so far, and up to the widest deviation of
+/// normals, before they get records.
 inline constexpr double kWideSupport = 3.0;
 
 /// Places records in rounds: points that no region covers yet become records, gathered in parallel

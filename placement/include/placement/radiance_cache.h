@@ -18,11 +18,16 @@ struct PackedRecord {
   Vec3f center, normal;
   Vec3f scaled1, scaled2, scaled_normal;  ///< Axes divided by their radii.
   float radius1, radius2;
-  float cos_max_deviation;
+  float cos_max_deviation, cos_widest_deviation;
   bool split_sphere;
-  float inverse_deviation;  ///< Of the region.
-  float reach;              ///< Largest radius.
+  float inverse_deviation, inverse_widest;  ///< Of the region.
+  float reach;                              ///< Largest radius.
   float value[3], g1[3], g2[3], h11[3], h12[3], h22[3];
+  bool tilts = false;  ///< Whether it knows how radiance changes with the normal; if so:
+  float tan_max_deviation;
+  Vec3f tangent, bitangent;
+  float bend[2][2];  ///< What the normal turns by along the half axes, in this frame.
+  float n1[3], n2[3], x11[3], x12[3], x21[3], x22[3], m11[3], m12[3], m22[3];  ///< As TiltingJet has them.
   const IncidentHarmonics* harmonics = nullptr;  ///< If the record uses them; what they need beside:
   float in_frame[2][2];                          ///< The half axes in the frame of their derivatives.
   float gradient_factor, hessian_factor;
@@ -34,16 +39,21 @@ struct PackedRecord {
 
 /// Position of sixteen points relative to a record: offsets in units of the radii, and its weight.
 struct Coverage16 {
-  F16 a, b;    ///< Along the two axes.
-  F16 weight;  ///< As `weight(ValidRegion)`, 0 where the record does not apply.
+  F16 a, b;            ///< Along the two axes.
+  F16 tau1{}, tau2{};  ///< What the normal tilts beyond the record's shape operator, in its frame.
+  F16 weight;          ///< As `weight(ValidRegion)`, 0 where the record does not apply.
 };
 
 /// [Zhao eq. 14-15] with the joint distance, in the lanes where the record applies, the ellipsoid
 /// widened `support` times.
 [[nodiscard]] Coverage16 coverage(const PackedRecord& record, const V3x16& x, const V3x16& n, I16 applies,
-                                  float support);
+                                  float support, Deviation deviation = Deviation::kAccepted);
 
-/// The Taylor polynomial of [Zhao eq. 13].
+/// Where a record's polynomial is taken for points that lie farther from it: offsets of at most `most` radii
+/// and normals of at most as many theta_max, in the same directions, with the same weight.
+[[nodiscard]] Coverage16 drawn_in(const PackedRecord& record, const Coverage16& c, float most);
+
+/// The Taylor polynomial of [Zhao eq. 13], in the displacement and in what the normal tilts beyond it.
 [[nodiscard]] V3x16 extrapolate(const PackedRecord& record, const Coverage16& c, int order);
 
 /// The same of the coefficients of a record with harmonics, and what a BRDF reflects of the result: `weights`

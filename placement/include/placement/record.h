@@ -47,6 +47,7 @@ struct RadianceRecord {
   RecordSite site;
   RadianceEstimate estimate;     ///< As gathered; never changed afterwards.
   std::array<Jet2, 3> radiance;  ///< What is interpolated: limited and fitted. In the site's frame.
+  std::array<TiltJet, 3> tilt;   ///< Limited likewise.
   ValidRegion region;
   std::uint64_t rays = 0;  ///< Whose mean `estimate` is.
   std::uint32_t turn = 0;  ///< Of the first pixel that may blend it, `turn_of`; 0 with an overture.
@@ -74,7 +75,8 @@ struct RadianceRecord {
   return static_cast<std::uint32_t>(y) << 16 | static_cast<std::uint32_t>(x);
 }
 
-/// What each record reaches over its surface with its region widened `support` times.
+/// What each record reaches over its surface with its region widened `support` times and as far as normals
+/// may deviate.
 [[nodiscard]] std::vector<SurfaceReach> reaches_of(const SceneCharts& charts,
                                                    std::span<const RadianceRecord> records, double support);
 

@@ -31,10 +31,15 @@ inline constexpr double kHarmonicsTurn = 0.5;
 /// distance, and normals may differ by about 1.4 times as many radians. 0.2 at --error 0.03.
 [[nodiscard]] double split_sphere_share(double epsilon);
 
-/// Fills the record's region, radiance and clamp factor from its estimate. The radii lie between one
+/// Fills the record's region, radiance, tilts and clamp factor from its estimate. The radii lie between one
 /// pixel and a tenth of the picture, within the nearest gather hit, and along the crease of a wall
 /// within six times as much.
-void shape_record(RadianceRecord& record, const RegionRule& rule);
+/// `sharpness` is the weighted one of the record's BRDF, which theta_max follows where none is given.
+void shape_record(RadianceRecord& record, const RegionRule& rule, double sharpness);
+
+/// The theta_max that goes with a threshold and the weighted sharpness of a BRDF (docs/decisions/004):
+/// 0.95 (epsilon / sharpness^2)^(1/8), kLargestNormalDeviation at most. [rad]
+[[nodiscard]] double normal_deviation_for(double epsilon, double sharpness);
 
 /// Sets the radiance that a record with a known region passes on. Where the region reaches beyond the
 /// nearest hit, gradient and Hessian are scaled by the ratio and its square; then until neither changes

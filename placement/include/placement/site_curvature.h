@@ -30,7 +30,8 @@ struct SiteCurvature {
   double exponent = 0.0;            ///< Of the sharpest lobe, as a Phong exponent; 0: diffuse.
   CurvatureReason reason = CurvatureReason::kFlat;
 
-  /// Under the rule of [Zhao 4.3.4] the site needs spherical harmonics: delta > theta_max.
+  /// Under the rule of [Zhao 4.3.4] the site needs spherical harmonics: delta > theta_max, the one that is
+  /// given or CacheOptions::turning_angle().
   [[nodiscard]] bool needs_sh() const {
     return reason == CurvatureReason::kEllipseTurns || reason == CurvatureReason::kSurfaceTurns;
   }

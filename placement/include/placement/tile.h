@@ -106,15 +106,15 @@ class TileRecords {
   /// Calls body(record, coverage) for the records that reach a point of packet `packet` of the tile
   /// over its surface, whose region, widened `support` times, holds it, and whose turn has come.
   template <typename Body>
-  void for_each(std::size_t packet, float support, const Body& body) const {
-    for_each_while(packet, support, [&](const PackedRecord& record, const Coverage16& c) {
+  void for_each(std::size_t packet, float support, Deviation deviation, const Body& body) const {
+    for_each_while(packet, support, deviation, [&](const PackedRecord& record, const Coverage16& c) {
       body(record, c);
       return true;
     });
   }
   /// As long as body(record, coverage) says so.
   template <typename Body>
-  void for_each_while(std::size_t packet, float support, const Body& body) const {
+  void for_each_while(std::size_t packet, float support, Deviation deviation, const Body& body) const {
     const SurfacePoint16& p = tile_.points[packet];
     const std::uint32_t turn = tile_.turn(packet);
     const Sphere around = bounds(p);
@@ -126,7 +126,7 @@ class TileRecords {
         if (record.turn > turn || !may_reach(record, p, support)) continue;
         const I16 reached = cache_.reaches(f, at_[packet], p.triangle);
         if (!any(reached)) continue;
-        const Coverage16 c = coverage(record, p.position, p.normal, reached, support);
+        const Coverage16 c = coverage(record, p.position, p.normal, reached, support, deviation);
         if (any(c.weight > 0.0f) && !body(record, c)) return;
       }
     }

@@ -16,15 +16,28 @@ struct ValidRegion {
   Vec3 axis1, axis2;  ///< Unit, tangent: eigenvectors of the luminance Hessian.
   double radius1 = 0.0, radius2 = 0.0;
   double normal_radius = 0.0;
-  double cos_max_deviation = 0.0;  ///< Cosine of theta_max.
-  bool split_sphere = false;       ///< Weighted as irradiance caching does instead of eq. 14.
-  bool normals_count = true;       ///< In the distance k; false: it is k_t.
+  double cos_max_deviation = 0.0;     ///< Cosine of theta_max.
+  double cos_widest_deviation = 1.0;  ///< Of points that no region reaches; `cos_max_deviation` if larger.
+  bool split_sphere = false;          ///< Weighted as irradiance caching does instead of eq. 14.
+  bool normals_count = true;          ///< In the distance k; false: it is k_t.
 
   /// What the turn 1 - cos of the normals adds to k^2 is multiplied by.
   [[nodiscard]] double inverse_deviation() const {
     return normals_count ? 1.0 / std::max(1.0 - cos_max_deviation, 1e-12) : 0.0;
   }
 };
+
+/// How far the normals of points that a region holds may deviate from its own.
+enum class Deviation {
+  kAccepted,  ///< By `cos_max_deviation`.
+  kWidest     ///< By `cos_widest_deviation`.
+};
+
+/// The region with the widest deviation.
+[[nodiscard]] inline ValidRegion turned_widest(ValidRegion region) {
+  region.cos_max_deviation = std::min(region.cos_max_deviation, region.cos_widest_deviation);
+  return region;
+}
 
 /// Translation weight k_t of [Zhao eq. 15]; 1 on the ellipsoid.
 [[nodiscard]] inline double translation_distance(const ValidRegion& region, const Vec3& x) {

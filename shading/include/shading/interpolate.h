@@ -15,7 +15,8 @@ struct Interpolated16 {
 };
 
 /// Outgoing radiance at the points of packet `packet` of the tile from the records around them [Zhao
-/// eq. 13]: regions widened by `support`, points that none reaches by kWideSupport.
+/// eq. 13]: regions widened by `support`, points that none reaches by kWideSupport and up to the widest
+/// deviation, with the polynomials as far out as `support`.
 [[nodiscard]] Interpolated16 interpolate(const TileRecords& records, std::size_t packet, int taylor_order,
                                          double support = CacheOptions{}.blend_support);
 

@@ -16,6 +16,8 @@ struct Bsdf {
   explicit Bsdf(const Material& material);
   /// Largest Phong-equivalent exponent of the lobes; 0 for a diffuse surface.
   [[nodiscard]] float sharpness() const;
+  /// Largest product of a lobe's Phong-equivalent exponent and its share of what the surface reflects.
+  [[nodiscard]] float weighted_sharpness() const;
   /// Sum of the lobes' reflectances.
   [[nodiscard]] Rgb albedo() const;
 };

@@ -8,12 +8,14 @@
 namespace vrc {
 
 using UnitJet16 = UnitJet<F16>;
+using TiltingJet16 = TiltingJet<F16>;
 
 /// How the scalars of a record's gather change while the record's point x moves over its surface by
-/// the tangent displacement d and everything else stays: the hit y, its light sample, the camera.
+/// the tangent displacement d, its normal turns by m, and everything else stays: the hit y, its light sample,
+/// the camera.
 ///
-/// With the shape operator S, x(d) = x + d - n (d^T S d)/2 and n(d) = normalize(n + S d), so these
-/// are total derivatives; S = 0 gives the translational ones of [Zhao eq. 10-11].
+/// With the shape operator S, x(d) = x + d - n (d^T S d)/2 and n(m) = normalize(n + m); m = S d, by
+/// `along_surface`, makes total derivatives, S = 0 and no m the translational ones of [Zhao eq. 10-11].
 /// r = y - x and v = camera - x are not normalised. Components are along the record's tangents.
 struct MovingPoint16 {
   float s11, s12, s22;  ///< S. [1/length]
@@ -21,7 +23,7 @@ struct MovingPoint16 {
   F16 v1, v2;           ///< Tangential part of v (equal lanes).
   F16 nr, nv;           ///< n . r and n . v
   F16 rr, vv, rv;       ///< r . r, v . v, r . v
-  UnitJet16 jet_nr, jet_nv, jet_rr, jet_vv;
+  UnitJet16 jet_rr, jet_vv;
   bool masking_moves = true;  ///< RecordFrame's.
 };
 
@@ -41,11 +43,20 @@ struct RecordFrame {
   return unit_jet<F16>(1.0f / value, -a1, -a2, an * p.s11, an * p.s12, an * p.s22);
 }
 
+/// Jets of n . r and n . v. `Jet` is TiltingJet16, or where nothing bends UnitJet16.
+template <typename Jet>
+[[nodiscard]] Jet jet_of_nr(const MovingPoint16& p);
+template <typename Jet>
+[[nodiscard]] Jet jet_of_nv(const MovingPoint16& p);
+
 /// Jets of shape(lobe) * |r| at the moving point x: f_r (n . r), the cosine not normalised. Fresnel's
-/// term is held fixed [Zhao 4.3.2].
-[[nodiscard]] UnitJet16 shape_jet(const LambertLobe& lobe, const MovingPoint16& p);
-[[nodiscard]] UnitJet16 shape_jet(const PhongLobe& lobe, const MovingPoint16& p);
-[[nodiscard]] UnitJet16 shape_jet(const GgxLobe& lobe, const MovingPoint16& p);
+/// term is held fixed [Zhao 4.3.2]. `Jet` as above.
+template <typename Jet>
+[[nodiscard]] Jet shape_jet(const LambertLobe& lobe, const MovingPoint16& p);
+template <typename Jet>
+[[nodiscard]] Jet shape_jet(const PhongLobe& lobe, const MovingPoint16& p);
+template <typename Jet>
+[[nodiscard]] Jet shape_jet(const GgxLobe& lobe, const MovingPoint16& p);
 
 /// A fixed reflector y seen from the moving point x: its normal, the fixed direction of its incident
 /// light, and their parts along the record's frame.
