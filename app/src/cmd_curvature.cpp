@@ -30,8 +30,8 @@ constexpr const char* kFooter = R"(
 k1 >= k2 are the principal curvatures, positive where the surface is convex, in 1 / unit of length;
 d1 and d2 their directions; mean = (k1 + k2) / 2, gauss = k1 k2, max = max(|k1|, |k2|). They do not reach
 across creases. sh_radius is the distance over which the normal turns by {:g} rad, the most that a Taylor
-record of the cache accepts by default. Colours span the 2nd to the 98th percentile; signed quantities run from blue (negative)
-over grey to orange (positive), max from dark violet to yellow.
+record of the cache accepts by default. Colours span the 2nd to the 98th percentile; signed quantities
+run from blue (negative) over grey to orange (positive), max from dark violet to yellow.
 .ply: vertex properties x y z nx ny nz red green blue quality (max) k1 k2 mean gauss d1x d1y d1z d2x d2y
 d2z sh_radius, face properties patch region material; .vtp: the same for ParaView, with vector arrays;
 .png: a picture of the mesh in these colours.
