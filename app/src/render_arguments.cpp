@@ -195,9 +195,11 @@ void declare_cache(CLI::App& command, RenderArguments& arguments) {
   group(add_choice(
       command, "--sh-rule", cache.harmonics_rule,
       {{"auto", HarmonicsRule::kAuto}, {"paper", HarmonicsRule::kPaper}},
-      "Spherical harmonics of a hybrid cache: where they were measured to be better (few --records; edges "
-      "narrower than a pixel, with --records or --hard-pixels off), or wherever normals turn by more than "
-      "--max-normal-deviation or, without, 0.15"));
+      fmt::format(
+          "Spherical harmonics of a hybrid cache: where they were measured to be better (few --records; "
+          "edges narrower than a pixel, with --records or --hard-pixels off), or wherever normals turn "
+          "by more than --max-normal-deviation or, without, {}",
+          kLargestNormalDeviation)));
   group(add_choice(command, "--sh-rays", cache.harmonics_rays,
                    {{"auto", HarmonicsRays::kAuto},
                     {"uniform", HarmonicsRays::kUniform},
