@@ -41,4 +41,9 @@ Jet2 differentiate(const SurfaceStencil& stencil, const std::function<double(con
   return jet;
 }
 
+Jet2 richardson(const Jet2& narrow, const Jet2& wide) {
+  return {narrow.value, (4.0 * narrow.gradient - wide.gradient) / 3.0,
+          (4.0 * narrow.hessian - wide.hessian) / 3.0};
+}
+
 }  // namespace vrc

@@ -38,8 +38,7 @@ inline Estimator analytic_estimator(const Scene& scene, int log2_rays, bool glos
   };
 }
 
-/// Central differences of gathered luminance; Richardson's extrapolation of two steps removes the error of
-/// second order.
+/// Central differences of gathered luminance by two steps, extrapolated.
 inline Jet2 reference_derivatives(const Scene& scene, const RecordSite& site, double step_share) {
   const Estimator estimate = analytic_estimator(scene, 16);
   const auto differences = [&](double step) {
@@ -49,11 +48,7 @@ inline Jet2 reference_derivatives(const Scene& scene, const RecordSite& site, do
     return differentiate(*stencil, [&](const RecordSite& s) { return converged(estimate, s, 7).value; });
   };
   const double h = step_share * scene.radius();
-  const Jet2 wide = differences(2.0 * h), narrow = differences(h);
-  Jet2 j = narrow;
-  j.gradient = (4.0 * narrow.gradient - wide.gradient) / 3.0;
-  j.hessian = (4.0 * narrow.hessian - wide.hessian) / 3.0;
-  return j;
+  return richardson(differences(h), differences(2.0 * h));
 }
 
 inline std::vector<Jet2> reference_derivatives(const Scene& scene, const std::vector<RecordSite>& sites,

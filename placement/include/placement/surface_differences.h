@@ -31,4 +31,8 @@ struct SurfaceStencil {
 [[nodiscard]] Jet2 differentiate(const SurfaceStencil& stencil,
                                  const std::function<double(const RecordSite&)>& f);
 
+/// Richardson's extrapolation of differences by a step and by its double: without the error of second order.
+/// The value is the narrow step's.
+[[nodiscard]] Jet2 richardson(const Jet2& narrow, const Jet2& wide);
+
 }  // namespace vrc
