@@ -18,15 +18,16 @@
 namespace vrc::bench {
 namespace {
 
-constexpr int kGathers = 8;  // A converged estimate is the mean of this many.
-constexpr std::uint64_t kReferenceSeed = 1 << 20;
+constexpr int kGathers = 8;         // A converged estimate is the mean of this many.
+constexpr int kReferenceLog2 = 16;  // rays of each that references are made of
+constexpr std::uint64_t kFirstSeed = 100, kReferenceSeed = 1 << 20;
+constexpr double kUpwards = 0.99;  // cosine of a floor's normal with y
 
 struct Settings : PictureSettings {
-  double nearest = 0.03, farthest = 0.09;  // of the occluder [length]
-  double step = 0.006;                     // of the finite differences, as a share of the scene's radius
+  double nearest = 0.03, farthest = 0.09;  ///< Distances of occluders. [length]
+  double step = 0.006;                     ///< Of finite differences, as a share of the scene's radius.
+  int lattice = 3;                         ///< Pixels between candidates.
   std::vector<double> agreements = {0.3, 0.15};
-  int lattice = 3;         // pixels between candidates
-  int reference_log2 = 16;
   bool list = false;
 
   Settings() {
@@ -48,6 +49,7 @@ struct Reference {
 };
 
 struct Point {
+  Vec2 film;  ///< As a share of the film's size.
   RecordSite site;
   double distance = 0.0;  ///< Of the occluder.
   Reference reference;
@@ -122,10 +124,10 @@ std::optional<RecordSite> site_at(const Scene& scene, double x, double y, std::u
   const Ray16 ray = {splat3(scene.camera().origin), splat3(scene.camera().direction(x, y)), splat(1e17f)};
   const SurfacePoint16 p = scene.intersect(first, ray, RayTracer::Coherence::kIncoherent);
   if (p.scatters[0] == 0) return std::nullopt;
-  return make_site(scene,
-                   scene.surface_point(static_cast<std::uint32_t>(p.triangle[0]), p.u[0], p.v[0],
-                                       scene.camera().origin),
-                   key);
+  return make_site(
+      scene,
+      scene.surface_point(static_cast<std::uint32_t>(p.triangle[0]), p.u[0], p.v[0], scene.camera().origin),
+      key);
 }
 
 std::optional<Reference> reference_at(const Scene& scene, const RecordSite& site, const Settings& settings) {
@@ -133,7 +135,7 @@ std::optional<Reference> reference_at(const Scene& scene, const RecordSite& site
   const auto narrow = surface_stencil(scene, site, step), wide = surface_stencil(scene, site, 2.0 * step);
   if (!narrow || !wide) return std::nullopt;
   Variant converged;
-  converged.options.log2_rays = settings.reference_log2;
+  converged.options.log2_rays = kReferenceLog2;
   const auto value = [&](const RecordSite& s) {
     return sample([&](std::uint64_t seed) { return gather_by(scene, converged, s, seed); }, kReferenceSeed)
         .mean.value;
@@ -143,6 +145,7 @@ std::optional<Reference> reference_at(const Scene& scene, const RecordSite& site
   return r;
 }
 
+/// Points of floors.
 std::vector<Point> points_beside_occluders(const Scene& scene, const Settings& settings) {
   std::vector<Vec2> film;
   for (int y = settings.lattice / 2; y < settings.height; y += settings.lattice)
@@ -151,11 +154,13 @@ std::vector<Point> points_beside_occluders(const Scene& scene, const Settings& s
   std::vector<std::optional<Point>> found(film.size());
   parallel_for(film.size(), [&](std::size_t i) {
     const auto site = site_at(scene, film[i][0], film[i][1], i);
-    if (!site || site->frame.normal.y() < 0.99) return;
+    if (!site || site->frame.normal.y() < kUpwards) return;
     const auto distance = occluder_distance(scene, *site);
     if (!distance || *distance < settings.nearest || *distance > settings.farthest) return;
     const auto reference = reference_at(scene, *site, settings);
-    if (reference) found[i] = Point{*site, *distance, *reference};
+    if (!reference) return;
+    const Vec2 share(film[i][0] / settings.width, film[i][1] / settings.height);
+    found[i] = Point{share, *site, *distance, *reference};
   });
   std::vector<Point> points;
   for (const auto& p : found)
@@ -163,63 +168,87 @@ std::vector<Point> points_beside_occluders(const Scene& scene, const Settings& s
   return points;
 }
 
-double relative_rms(const std::vector<double>& squares, const std::vector<double>& sizes) {
-  double a = 0.0, b = 0.0;
-  for (const double s : squares) a += s;
-  for (const double s : sizes) b += s;
-  return std::sqrt(std::max(a / b, 0.0));
-}
+/// Squared errors of means and variances of single gathers over the squares of the truth, of many points.
+class RelativeErrors {
+ public:
+  void add(double squared_difference, double variance, double squared_truth) {
+    // The mean's own noise is no bias.
+    const double error = squared_difference - variance / kGathers;
+    error_ += error;
+    variance_ += variance;
+    truth_ += squared_truth;
+    ratios_.push_back(root(error / squared_truth));
+  }
+  [[nodiscard]] double bias() const { return root(error_ / truth_); }
+  [[nodiscard]] double median_bias() const { return median(ratios_); }
+  [[nodiscard]] double deviation() const { return root(variance_ / truth_); }
 
-double median_ratio(const std::vector<double>& squares, const std::vector<double>& sizes) {
-  std::vector<double> ratios;
-  for (std::size_t i = 0; i < squares.size(); ++i) ratios.push_back(std::sqrt(std::max(squares[i], 0.0) / sizes[i]));
-  return median(ratios);
+ private:
+  static double root(double v) { return std::sqrt(std::max(v, 0.0)); }
+
+  double error_ = 0.0, variance_ = 0.0, truth_ = 0.0;
+  std::vector<double> ratios_;
+};
+
+struct DerivativeErrors {
+  RelativeErrors gradient, hessian;
+
+  void add(const Jet2& truth, const Sample& s) {
+    gradient.add((s.mean.gradient - truth.gradient).squaredNorm(), s.gradient_variance,
+                 truth.gradient.squaredNorm());
+    hessian.add((s.mean.hessian - truth.hessian).squaredNorm(), s.hessian_variance,
+                truth.hessian.squaredNorm());
+  }
+};
+
+std::vector<Variant> variants() {
+  std::vector<Variant> result(4);
+  result[0].name = "hits fixed, 2^15";
+  result[0].options.occlusion_aware = false;
+  result[0].options.log2_rays = 15;
+  result[1].name = "2^15";
+  result[1].options.log2_rays = 15;
+  result[2].name = "2^12";
+  result[3].name = "guided, 2^13";
+  result[3].options.log2_rays = 13;
+  result[3].guided = true;
+  return result;
 }
 
 void test_scene(const std::string& file, const Settings& settings) {
   const Scene scene(read_scene_for(file, settings));
   const std::vector<Point> points = points_beside_occluders(scene, settings);
-  std::vector<Variant> variants(4);
-  variants[0].name = "hits fixed, 2^15";
-  variants[0].options.log2_rays = 15;
-  variants[0].options.occlusion_aware = false;
-  variants[1].name = "2^15";
-  variants[1].options.log2_rays = 15;
-  variants[2].name = "2^12";
-  variants[3].name = "guided 2^13";
-  variants[3].options.log2_rays = 13;
-  variants[3].guided = true;
-  std::vector<std::vector<Sample>> samples(variants.size(), std::vector<Sample>(points.size()));
-  for (std::size_t v = 0; v < variants.size(); ++v)
+  const std::string name = std::filesystem::path(file).stem().string();
+  for (const Variant& variant : variants()) {
+    std::vector<Sample> samples(points.size());
     parallel_for(points.size(), [&](std::size_t i) {
-      samples[v][i] =
-          sample([&](std::uint64_t seed) { return gather_by(scene, variants[v], points[i].site, seed); }, 100);
+      samples[i] = sample([&](std::uint64_t seed) { return gather_by(scene, variant, points[i].site, seed); },
+                          kFirstSeed);
     });
-  for (const double agreement : settings.agreements) {
-    for (std::size_t v = 0; v < variants.size(); ++v) {
-      std::vector<double> g, h, gv, hv, g2, h2;
+    for (const double agreement : settings.agreements) {
+      DerivativeErrors errors;
+      std::size_t count = 0;
       for (std::size_t i = 0; i < points.size(); ++i) {
-        const Reference& r = points[i].reference;
-        if (r.disagreement() > agreement) continue;
-        const Sample& s = samples[v][i];
-        g2.push_back(r.extrapolated.gradient.squaredNorm());
-        h2.push_back(r.extrapolated.hessian.squaredNorm());
-        g.push_back((s.mean.gradient - r.extrapolated.gradient).squaredNorm() - s.gradient_variance / kGathers);
-        h.push_back((s.mean.hessian - r.extrapolated.hessian).squaredNorm() - s.hessian_variance / kGathers);
-        gv.push_back(s.gradient_variance);
-        hv.push_back(s.hessian_variance);
-        if (settings.list && v == 1)
-          fmt::print("  {:3} at {:.3f}  g {:.3f} h {:.3f}  |H| {:.3g} disagreement {:.3f} pos {:.3f} {:.3f} {:.3f}\n", i,
-                     points[i].distance, std::sqrt(g.back() / g2.back()), std::sqrt(h.back() / h2.back()),
-                     std::sqrt(h2.back()), r.disagreement(), points[i].site.point.position.x(),
-                     points[i].site.point.position.y(), points[i].site.point.position.z());
+        if (points[i].reference.disagreement() > agreement) continue;
+        errors.add(points[i].reference.extrapolated, samples[i]);
+        ++count;
       }
-      if (g.empty()) continue;
-      fmt::print("{:18} {:.2f} {:4}/{:<4} {:20} bias {:.3f} {:.3f}  median {:.3f} {:.3f}  deviation {:.3f} {:.3f}\n",
-                 std::filesystem::path(file).stem().string(), agreement, g.size(), points.size(), variants[v].name,
-                 relative_rms(g, g2), relative_rms(h, h2), median_ratio(g, g2), median_ratio(h, h2),
-                 relative_rms(gv, g2), relative_rms(hv, h2));
+      if (count == 0) continue;
+      const auto row = [&](const RelativeErrors& e) {
+        return fmt::format("{:>9.3f} {:>7.3f} {:>9.3f}", e.bias(), e.median_bias(), e.deviation());
+      };
+      fmt::print("{:18} {:18} {:>5g} {:>4}/{:<4} {} {}\n", name, variant.name, agreement, count,
+                 points.size(), row(errors.gradient), row(errors.hessian));
       std::fflush(stdout);
+    }
+    if (!settings.list) continue;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Point& p = points[i];
+      DerivativeErrors errors;
+      errors.add(p.reference.extrapolated, samples[i]);
+      fmt::print("  film {:.4f} {:.4f}, occluder at {:.3f}, steps differ by {:.2f}: {:.3f} {:.3f}\n",
+                 p.film[0], p.film[1], p.distance, p.reference.disagreement(), errors.gradient.bias(),
+                 errors.hessian.bias());
     }
   }
 }
@@ -233,13 +262,22 @@ int main(int argc, char** argv) {
   Settings settings;
   CLI::App app("Derivatives beside occluders against finite differences");
   declare_picture_options(app, settings);
-  app.add_option("--lattice", settings.lattice);
-  app.add_option("--step", settings.step);
-  app.add_option("--agreement", settings.agreements);
-  app.add_option("--reference-log2", settings.reference_log2);
-  app.add_flag("--list", settings.list);
+  app.add_option("--nearest", settings.nearest, "Least distance of occluders")->capture_default_str();
+  app.add_option("--farthest", settings.farthest, "Largest distance of occluders")->capture_default_str();
+  app.add_option("--step", settings.step, "Of finite differences, over the scene's radius")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--lattice", settings.lattice, "Pixels between candidates")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--agreement", settings.agreements,
+                 "Points count whose differences by two steps agree this well")
+      ->capture_default_str();
+  app.add_flag("--list", settings.list, "Every point by itself, too");
   CLI11_PARSE(app, argc, argv);
   return run_reported("bench_silhouette_derivatives", settings, [&] {
+    fmt::print("{:18} {:18} {:>5} {:>9} {:>27} {:>27}\n", "scene", "gathers", "steps", "points",
+               "gradient: bias, median, dev.", "Hessian: bias, median, dev.");
     for (const std::string& scene : settings.scenes) test_scene(scene, settings);
   });
 }

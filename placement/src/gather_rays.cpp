@@ -82,6 +82,7 @@ bool GatherRays::trace(F16 density, F16 u1, F16 u2, std::uint32_t first_index, G
   counts_.gather += lane_count(active);
   rays_ += kLanes;
   packet.distance = select(hit.hit, hit.t, splat(std::numeric_limits<float>::infinity()));
+  packet.triangle = hit.triangle;
   note_distances(packet, hit);
   const V3x16 to_hit = hit.position - splat3(frame_.x);
   const F16 height = -max(-dot(hit.geometric_normal, to_hit), 1e-5f * hit.t);

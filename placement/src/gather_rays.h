@@ -57,6 +57,7 @@ struct GatherPacket16 {
   F16 u1, u2;           ///< Points of the sampling square that the directions come from.
   F16 warp_density;     ///< What a guide contributed to the density.
   F16 distance;         ///< To the hit; infinite without one.
+  I16 triangle;         ///< Of the hit.
   V3x16
       tangent_plane;  ///< n_y / (n_y . (y - x)): times a direction, 1 / distance on the hit's tangent plane.
   MovingPoint16 moving;
@@ -92,9 +93,10 @@ class GatherRays {
 
   /// Traces the packet's directions, which were chosen with `density` per solid angle; `u1` and `u2` choose
   /// the light at the hits, `first_index` names the rays for further bounces. False when no ray found a
-  /// surface that reflects: then only `distance` and `tangent_plane` are set.
+  /// surface that reflects: then only what is said of the hit up to `tangent_plane` is set.
   bool trace(F16 density, F16 u1, F16 u2, std::uint32_t first_index, GatherPacket16& packet);
 
+  [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const SamplingSquare& square() const { return square_; }
   [[nodiscard]] const Bsdf& bsdf() const { return square_.bsdf(); }
   [[nodiscard]] const RecordFrame& frame() const { return frame_; }

@@ -61,7 +61,8 @@ void HitGrid::store(F16 u1, F16 u2, const GatherPacket16& packet) {
                                luminance(packet.incident.jet.g1) * inverse,
                                luminance(packet.incident.jet.g2) * inverse,
                                packet.u1,
-                               packet.u2};
+                               packet.u2,
+                               from_bits(packet.triangle)};
   for (int f = 0; f < kFields; ++f) {
     float* base = values_.data() + static_cast<std::size_t>(f) * field_size_ + corner;
     const F16 values = permuted(fields[f], sorted);

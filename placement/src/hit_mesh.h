@@ -36,6 +36,7 @@ class HitGrid {
     kSlope2,
     kSquare1,  ///< GatherPacket16::u1
     kSquare2,
+    kTriangle,  ///< Bits of GatherPacket16::triangle
     kFields
   };
 

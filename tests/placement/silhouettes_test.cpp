@@ -55,6 +55,23 @@ TEST(Silhouettes, MoveBesideAnOccluderOfAGgxFloor) {
   expect_silhouettes_to_matter("cornell_ggx.xml", {{"wall_alpha", "0.3"}, {"box_alpha", "0.3"}});
 }
 
+/// The point where a ray touches a sphere or a pillar slides over it.
+TEST(Silhouettes, SlideOverCurvedOccluders) {
+  const Scene scene = test::load_scene("curved_room.xml", 256, 256, {{"specular", "0"}});
+  const std::vector<RecordSite> sites = test::sites_at(scene, {{0.248, 0.834},
+                                                               {0.5527, 0.8809},
+                                                               {0.7637, 0.8809},
+                                                               {0.6465, 0.9277},
+                                                               {0.7637, 0.9277},
+                                                               {0.4121, 0.9746}});
+  for (const RecordSite& site : sites) ASSERT_NEAR(site.point.position.y(), 0.0, 1e-6);
+  const std::vector<Jet2> truth = test::reference_derivatives(scene, sites, kStep);
+  const test::RelativeError error = test::relative_error(estimator(scene, true), sites, truth);
+  EXPECT_LT(error.gradient, 0.08);
+  EXPECT_LT(error.hessian, 0.5);
+  test::record_error("curved", error);
+}
+
 /// A guide moves the rows of the rays' grid apart, each column's in its own way; silhouettes are found all
 /// the same.
 TEST(Silhouettes, MoveInGuidedGathers) {

@@ -153,6 +153,29 @@ TEST(Scene, SmoothNormalsFollowTheSphere) {
   EXPECT_LT(worst, 0.002) << "interpolated, not faceted";
 }
 
+TEST(Scene, NormalCurvatureOfSpheresPillarsAndCubes) {
+  SceneDescription description;
+  add_shape(description, make_sphere(Vec3::Zero(), 2.0), matte(0.5f), 0.0f, false);
+  add_shape(description, make_cylinder(Vec3(9, 0, -1), Vec3(9, 0, 1), 0.5), matte(0.5f), 0.0f, false);
+  add_shape(description, placed(make_cube(), Vec3(1, 1, 1), Vec3(20, 0, 0)), matte(0.5f), 0.0f, false);
+  const Scene scene(description);
+  const auto curvature = [&](const Vec3& from, const Vec3& ray, const Vec3& along) {
+    const SurfacePoint16 p = scene.intersect(splat(-1), ray16(from, ray), kIncoherent);
+    EXPECT_TRUE(all(p.hit));
+    return scene.normal_curvature(p.triangle, splat3(along), p.geometric_normal)[0];
+  };
+  Random random(5);
+  for (int k = 0; k < 100; ++k) {
+    const Vec3 w = random.direction(), along = random.direction();
+    EXPECT_NEAR(curvature(3.0 * w, -w, along), 0.5, 0.02) << "outside";
+    EXPECT_NEAR(curvature(Vec3::Zero(), w, along), -0.5, 0.02) << "inside";
+  }
+  EXPECT_NEAR(curvature(Vec3(12, 0, 0.1), -Vec3::UnitX(), Vec3::UnitY()), 2.0, 0.02);
+  EXPECT_NEAR(curvature(Vec3(12, 0, 0.1), -Vec3::UnitX(), Vec3::UnitZ()), 0.0, 1e-3);
+  EXPECT_NEAR(curvature(Vec3(12, 0, 0.1), -Vec3::UnitX(), Vec3(1, 1, 1)), 1.0, 0.02);
+  EXPECT_EQ(curvature(Vec3(25, 0.1, 0), -Vec3::UnitX(), Vec3::UnitY()), 0.0f);
+}
+
 TEST(Scene, HitPointLiesOnTheRay) {
   const Scene scene(mixed_description());
   for_random_hits(scene, [&](const SurfacePoint16& p, int i, const Vec3& origin, const Vec3& direction) {

@@ -165,12 +165,8 @@ SurfacePoint16 Scene::intersect(I16 active, const Ray16& ray, RayTracer::Coheren
   p.normal = p.geometric_normal;
   const I16 smooth = hit.hit & (reader.integer(kSmooth) != 0);
   if (any(smooth)) {
-    const I16 base = p.triangle * 9;
-    const auto corner = [&](int k) {
-      const float* n = corner_normals_.data();
-      return V3x16{gather(n, base + 3 * k), gather(n, base + (3 * k + 1)), gather(n, base + (3 * k + 2))};
-    };
-    V3x16 n = normalize(corner(0) * (1.0f - p.u - p.v) + corner(1) * p.u + corner(2) * p.v);
+    V3x16 n = normalize(corner_normal(p.triangle, 0) * (1.0f - p.u - p.v) +
+                        corner_normal(p.triangle, 1) * p.u + corner_normal(p.triangle, 2) * p.v);
     n = select(back, -n, n);
     const V3x16 wo = -normalize(ray.direction);
     const F16 cosine = dot(n, wo);
@@ -187,6 +183,30 @@ SurfacePoint16 Scene::intersect(I16 active, const Ray16& ray, RayTracer::Coheren
   });
   p.scatters = reflects;
   return p;
+}
+
+V3x16 Scene::corner_normal(I16 triangle, int corner) const {
+  const I16 index = triangle * 9 + 3 * corner;
+  const float* n = corner_normals_.data();
+  return {gather(n, index), gather(n, index + 1), gather(n, index + 2)};
+}
+
+F16 Scene::normal_curvature(I16 triangle, const V3x16& direction, const V3x16& facing) const {
+  const TriangleReader reader(triangles_, triangle);
+  const I16 smooth = reader.integer(kSmooth) != 0;
+  if (!any(smooth)) return F16{};
+  const V3x16 e1 = reader.vector(kE1), e2 = reader.vector(kE2);
+  const F16 e11 = dot(e1, e1), e12 = dot(e1, e2), e22 = dot(e2, e2);
+  const F16 d1 = dot(e1, direction), d2 = dot(e2, direction);
+  // The projected direction is (u e1 + v e2) / determinant; normals change linearly over the triangle.
+  const F16 u = e22 * d1 - e12 * d2, v = e11 * d2 - e12 * d1;
+  const V3x16 along = e1 * u + e2 * v;
+  const V3x16 n0 = corner_normal(triangle, 0);
+  const V3x16 turn = (corner_normal(triangle, 1) - n0) * u + (corner_normal(triangle, 2) - n0) * v;
+  const F16 squared = dot(along, along);
+  const I16 known = smooth & (squared > 0.0f);
+  const F16 outside = dot(turn, along) / select(known, squared, splat(1.0f));
+  return select(known, select(dot(reader.vector(kNormal), facing) < 0.0f, -outside, outside), F16{});
 }
 
 Ray16 Scene::shadow_ray(const SurfacePoint16& p, const LightSample16& light) const {

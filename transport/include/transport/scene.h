@@ -80,6 +80,10 @@ class Scene {
   [[nodiscard]] SurfacePoint surface_point(std::uint32_t triangle, float u, float v,
                                            const Vec3& viewer) const;
 
+  /// Normal curvatures of triangles along directions, which are projected into them; positive where the side
+  /// of the normals `facing` is convex, 0 on flat triangles. [1/length]
+  [[nodiscard]] F16 normal_curvature(I16 triangle, const V3x16& direction, const V3x16& facing) const;
+
   /// Origin of rays that leave a point: lifted off the surface, towards the viewer's side.
   [[nodiscard]] V3x16 lifted(const SurfacePoint16& p) const {
     return p.position + p.geometric_normal * ray_offset();
@@ -90,6 +94,8 @@ class Scene {
  private:
   void add_shape(const SceneDescription& description, const ShapeDescription& shape,
                  std::vector<EmissiveTriangle>& lights, std::vector<float>& vertices);
+  /// Shading normals of triangles at a corner, on the outside.
+  [[nodiscard]] V3x16 corner_normal(I16 triangle, int corner) const;
 
   Camera camera_;
   FilmDescription film_;
