@@ -7,6 +7,27 @@
 #include "core/error.h"
 
 namespace vrc {
+namespace {
+
+/// A channel of a record, by the displacement and by all that the normal turns.
+TiltingJet<double> by_turn(const RadianceRecord& record, std::size_t channel) {
+  const auto& [value, g, h] = record.radiance[channel];
+  const auto& [n, x, m] = record.tilt[channel];
+  const Mat2& s = record.site.point.shape_operator;
+  return along_surface<double>({{g[0], g[1], h(0, 0), h(0, 1), h(1, 1)},
+                                n[0],
+                                n[1],
+                                x(0, 0),
+                                x(0, 1),
+                                x(1, 0),
+                                x(1, 1),
+                                m(0, 0),
+                                m(0, 1),
+                                m(1, 1)},
+                               -s(0, 0), -s(0, 1), -s(1, 1));
+}
+
+}  // namespace
 
 PackedRecord pack(const RadianceRecord& record) {
   const ValidRegion& r = record.region;
@@ -30,40 +51,35 @@ PackedRecord pack(const RadianceRecord& record) {
     return Vec2(axis.dot(record.site.frame.tangent), axis.dot(record.site.frame.bitangent)) * radius;
   };
   const Vec2 a = in_frame(r.axis1, r.radius1), b = in_frame(r.axis2, r.radius2);
-  for (std::size_t c = 0; c < 3; ++c) {
-    const Jet2& jet = record.radiance[c];
-    p.value[c] = static_cast<float>(jet.value);
-    p.g1[c] = static_cast<float>(jet.gradient.dot(a));
-    p.g2[c] = static_cast<float>(jet.gradient.dot(b));
-    p.h11[c] = static_cast<float>(a.dot(jet.hessian * a));
-    p.h12[c] = static_cast<float>(a.dot(jet.hessian * b));
-    p.h22[c] = static_cast<float>(b.dot(jet.hessian * b));
-  }
   p.tilts = !record.uses_harmonics() &&
             std::ranges::any_of(record.tilt, [](const TiltJet& t) { return !t.gradient.isZero(0.0); });
+  for (std::size_t c = 0; c < 3; ++c) {
+    const TiltingJet<double> j = by_turn(record, c);
+    const Vec2 gradient(j.moved.g1, j.moved.g2);
+    Mat2 hessian;
+    hessian << j.moved.h11, j.moved.h12, j.moved.h12, j.moved.h22;
+    p.value[c] = static_cast<float>(record.radiance[c].value);
+    p.g1[c] = static_cast<float>(gradient.dot(a));
+    p.g2[c] = static_cast<float>(gradient.dot(b));
+    p.h11[c] = static_cast<float>(a.dot(hessian * a));
+    p.h12[c] = static_cast<float>(a.dot(hessian * b));
+    p.h22[c] = static_cast<float>(b.dot(hessian * b));
+    if (!p.tilts) continue;
+    p.n1[c] = static_cast<float>(j.n1);
+    p.n2[c] = static_cast<float>(j.n2);
+    p.x11[c] = static_cast<float>(a[0] * j.x11 + a[1] * j.x21);
+    p.x12[c] = static_cast<float>(a[0] * j.x12 + a[1] * j.x22);
+    p.x21[c] = static_cast<float>(b[0] * j.x11 + b[1] * j.x21);
+    p.x22[c] = static_cast<float>(b[0] * j.x12 + b[1] * j.x22);
+    p.m11[c] = static_cast<float>(j.m11);
+    p.m12[c] = static_cast<float>(j.m12);
+    p.m22[c] = static_cast<float>(j.m22);
+  }
   if (p.tilts) {
     p.tan_max_deviation =
         static_cast<float>(std::sqrt(1.0 / (r.cos_max_deviation * r.cos_max_deviation) - 1.0));
     p.tangent = record.site.frame.tangent.cast<float>();
     p.bitangent = record.site.frame.bitangent.cast<float>();
-    const Vec2 along_a = record.site.point.shape_operator * a, along_b = record.site.point.shape_operator * b;
-    for (int i = 0; i < 2; ++i) {
-      p.bend[0][i] = static_cast<float>(along_a[i]);
-      p.bend[1][i] = static_cast<float>(along_b[i]);
-    }
-    for (std::size_t c = 0; c < 3; ++c) {
-      const TiltJet& t = record.tilt[c];
-      const Vec2 xa = t.mixed.transpose() * a, xb = t.mixed.transpose() * b;
-      p.n1[c] = static_cast<float>(t.gradient[0]);
-      p.n2[c] = static_cast<float>(t.gradient[1]);
-      p.x11[c] = static_cast<float>(xa[0]);
-      p.x12[c] = static_cast<float>(xa[1]);
-      p.x21[c] = static_cast<float>(xb[0]);
-      p.x22[c] = static_cast<float>(xb[1]);
-      p.m11[c] = static_cast<float>(t.hessian(0, 0));
-      p.m12[c] = static_cast<float>(t.hessian(0, 1));
-      p.m22[c] = static_cast<float>(t.hessian(1, 1));
-    }
   }
   if (record.uses_harmonics()) p.harmonics = &record.harmonics->incident;
   for (int i = 0; i < 2; ++i) {
@@ -87,8 +103,8 @@ Coverage16 coverage(const PackedRecord& record, const V3x16& x, const V3x16& n, 
   const F16 kr = dot(n, splat3(record.normal));
   if (record.tilts) {
     const F16 inverse = 1.0f / max(kr, kLeastTiltCosine);
-    c.tau1 = dot(n, splat3(record.tangent)) * inverse - c.a * record.bend[0][0] - c.b * record.bend[1][0];
-    c.tau2 = dot(n, splat3(record.bitangent)) * inverse - c.a * record.bend[0][1] - c.b * record.bend[1][1];
+    c.m1 = dot(n, splat3(record.tangent)) * inverse;
+    c.m2 = dot(n, splat3(record.bitangent)) * inverse;
   }
   const bool widest = deviation == Deviation::kWidest;
   const F16 kt2 = (c.a * c.a + c.b * c.b + along_normal * along_normal) * (1.0f / (support * support));
@@ -110,13 +126,9 @@ Coverage16 drawn_in(const PackedRecord& record, const Coverage16& c, float most)
   const F16 share = at_most(sqrt(c.a * c.a + c.b * c.b), most);
   Coverage16 result = {c.a * share, c.b * share, F16{}, F16{}, c.weight};
   if (record.tilts) {
-    const auto bend = [&](const Coverage16& at, int i) {
-      return at.a * record.bend[0][i] + at.b * record.bend[1][i];
-    };
-    const F16 m1 = c.tau1 + bend(c, 0), m2 = c.tau2 + bend(c, 1);
-    const F16 turned = at_most(sqrt(m1 * m1 + m2 * m2), most * record.tan_max_deviation);
-    result.tau1 = m1 * turned - bend(result, 0);
-    result.tau2 = m2 * turned - bend(result, 1);
+    const F16 turned = at_most(sqrt(c.m1 * c.m1 + c.m2 * c.m2), most * record.tan_max_deviation);
+    result.m1 = c.m1 * turned;
+    result.m2 = c.m2 * turned;
   }
   return result;
 }
@@ -127,11 +139,11 @@ V3x16 extrapolate(const PackedRecord& record, const Coverage16& c, int order) {
     F16 v = splat(record.value[i]);
     if (order >= 1) v += c.a * record.g1[i] + c.b * record.g2[i];
     if (order >= 2) v += aa * record.h11[i] + ab * record.h12[i] + bb * record.h22[i];
-    if (record.tilts && order >= 1) v += c.tau1 * record.n1[i] + c.tau2 * record.n2[i];
+    if (record.tilts && order >= 1) v += c.m1 * record.n1[i] + c.m2 * record.n2[i];
     if (record.tilts && order >= 2) {
-      v += c.tau1 * (c.a * record.x11[i] + c.b * record.x21[i] + 0.5f * c.tau1 * record.m11[i]) +
-           c.tau2 * (c.a * record.x12[i] + c.b * record.x22[i] + 0.5f * c.tau2 * record.m22[i]) +
-           c.tau1 * c.tau2 * record.m12[i];
+      v += c.m1 * (c.a * record.x11[i] + c.b * record.x21[i] + 0.5f * c.m1 * record.m11[i]) +
+           c.m2 * (c.a * record.x12[i] + c.b * record.x22[i] + 0.5f * c.m2 * record.m22[i]) +
+           c.m1 * c.m2 * record.m12[i];
     }
     return max(v, 0.0f);
   };

@@ -117,9 +117,9 @@ template <typename T, template <typename> typename Jet>
 }
 
 /// With m = S d + tau, S the shape operator: derivatives by d and by tau, what the normal turns beyond S d.
-/// `moved` becomes the total derivative along a surface that bends by S.
-template <typename T>
-[[nodiscard]] TiltingJet<T> along_surface(const TiltingJet<T>& j, float s11, float s12, float s22) {
+/// `moved` becomes the total derivative along a surface that bends by S. With -S it goes back to d and m.
+template <typename T, typename Scalar>
+[[nodiscard]] TiltingJet<T> along_surface(const TiltingJet<T>& j, Scalar s11, Scalar s12, Scalar s22) {
   TiltingJet<T> r = j;
   r.x11 = j.x11 + j.m11 * s11 + j.m12 * s12;
   r.x12 = j.x12 + j.m12 * s11 + j.m22 * s12;

@@ -26,8 +26,7 @@ struct PackedRecord {
   bool tilts = false;  ///< Whether it knows how radiance changes with the normal; if so:
   float tan_max_deviation;
   Vec3f tangent, bitangent;
-  float bend[2][2];  ///< What the normal turns by along the half axes, in this frame.
-  float n1[3], n2[3], x11[3], x12[3], x21[3], x22[3], m11[3], m12[3], m22[3];  ///< As TiltingJet has them.
+  float n1[3], n2[3], x11[3], x12[3], x21[3], x22[3], m11[3], m12[3], m22[3];  ///< TiltingJet's.
   const IncidentHarmonics* harmonics = nullptr;  ///< If the record uses them; what they need beside:
   float in_frame[2][2];                          ///< The half axes in the frame of their derivatives.
   float gradient_factor, hessian_factor;
@@ -39,9 +38,9 @@ struct PackedRecord {
 
 /// Position of sixteen points relative to a record: offsets in units of the radii, and its weight.
 struct Coverage16 {
-  F16 a, b;            ///< Along the two axes.
-  F16 tau1{}, tau2{};  ///< What the normal tilts beyond the record's shape operator, in its frame.
-  F16 weight;          ///< As `weight(ValidRegion)`, 0 where the record does not apply.
+  F16 a, b;        ///< Along the two axes.
+  F16 m1{}, m2{};  ///< What the normal turns, in the record's frame, if that tilts: n + m, normalised.
+  F16 weight;      ///< As `weight(ValidRegion)`, 0 where the record does not apply.
 };
 
 /// [Zhao eq. 14-15] with the joint distance, in the lanes where the record applies, the ellipsoid
@@ -53,7 +52,7 @@ struct Coverage16 {
 /// and normals of at most as many theta_max, in the same directions, with the same weight.
 [[nodiscard]] Coverage16 drawn_in(const PackedRecord& record, const Coverage16& c, float most);
 
-/// The Taylor polynomial of [Zhao eq. 13], in the displacement and in what the normal tilts beyond it.
+/// The Taylor polynomial of [Zhao eq. 13], in the displacement and in what the normal turns.
 [[nodiscard]] V3x16 extrapolate(const PackedRecord& record, const Coverage16& c, int order);
 
 /// The same of the coefficients of a record with harmonics, and what a BRDF reflects of the result: `weights`
