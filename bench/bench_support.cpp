@@ -158,11 +158,11 @@ RenderOptions indirect_light(Method method, int samples_per_pixel, std::uint64_t
   return options;
 }
 
-EstimateQuality References::estimate_of(const Image& image) const {
+Image References::error_blocks(const Image& image) const {
   constexpr int kBlock = 8;
   const auto channel = static_cast<std::size_t>(std::ranges::find(image.channels, std::string("error.Y")) -
                                                 image.channels.begin());
-  if (channel == image.channels.size()) return {};
+  VRC_CHECK(channel < image.channels.size(), "the picture has no layer error.Y");
   const Image values = scaled(rgb_of(image), scale);
   Image squares(image.width, image.height, {"error", "estimate", "noise"});
   for (std::size_t p = 0; p < image.pixel_count(); ++p) {
@@ -175,17 +175,20 @@ EstimateQuality References::estimate_of(const Image& image) const {
     squares.pixels[3 * p + 1] = estimate * estimate;
     squares.pixels[3 * p + 2] = 0.5f * (a - b) * (a - b);
   }
+  return block_means(squares, kBlock);
+}
+
+EstimateQuality estimate_quality(const Image& error_blocks) {
   EstimateQuality result;
-  const Image blocks = block_means(squares, kBlock);
-  for (std::size_t p = 0; p < blocks.pixel_count(); ++p) {
-    const float* b = &blocks.pixels[3 * p];
+  for (std::size_t p = 0; p < error_blocks.pixel_count(); ++p) {
+    const float* b = &error_blocks.pixels[3 * p];
     // The mean of products deviates by an eighth of this, from the noise of one reference alone.
     if (std::max(b[0], b[1]) <= b[2]) continue;
     ++result.measurable;
     if (b[0] >= 0.25f * b[1] && b[0] <= 4.0f * b[1]) ++result.within_two;
   }
   result.within_two /= std::max(result.measurable, 1.0);
-  result.measurable /= static_cast<double>(blocks.pixel_count());
+  result.measurable /= static_cast<double>(error_blocks.pixel_count());
   return result;
 }
 

@@ -57,9 +57,13 @@ struct References {
 
   [[nodiscard]] double error_of(const Image& image) const;
   [[nodiscard]] double error_of(const Image& image, const PixelMask& mask) const;
-  /// How well the layer error.Y of a picture foretells its errors.
-  [[nodiscard]] EstimateQuality estimate_of(const Image& image) const;
+  /// Mean squares over blocks of 8 x 8 pixels: of the error of a picture's luminance, of what its layer
+  /// error.Y foretells, and of the noise of the references.
+  [[nodiscard]] Image error_blocks(const Image& image) const;
 };
+
+/// How well errors are foretold, by `References::error_blocks` of a picture or their means of several.
+[[nodiscard]] EstimateQuality estimate_quality(const Image& error_blocks);
 
 /// By path tracing; kept in files from run to run.
 [[nodiscard]] References make_references(const Scene& scene, const SceneDescription& description,
