@@ -119,36 +119,41 @@ std::vector<CacheSetting> cache_settings(const Settings& settings) {
 
 /// How well the layers error.Y of pictures of several seeds foretell errors: medians over the seeds.
 struct Foretold {
-  double own = 0.0;       ///< Share of the blocks within a factor of two of the picture's own error;
-  double expected = 0.0;  ///< of the root mean square over all seeds.
-  double measurable = 0.0;
+  EstimateQuality own;       ///< Of the picture's own error.
+  EstimateQuality expected;  ///< Of the root mean square of all seeds' errors.
 };
 
 Foretold foretold(std::vector<Image> blocks) {
-  std::vector<double> own, expected, measurable;
-  for (const Image& b : blocks) {
-    const EstimateQuality quality = estimate_quality(b);
-    own.push_back(quality.within_two);
-    measurable.push_back(quality.measurable);
-  }
+  const auto medians = [&blocks]() -> EstimateQuality {
+    std::vector<double> within_two, measurable;
+    for (const Image& b : blocks) {
+      const EstimateQuality quality = estimate_quality(b);
+      within_two.push_back(quality.within_two);
+      measurable.push_back(quality.measurable);
+    }
+    return {median(within_two), median(measurable)};
+  };
+  const EstimateQuality own = medians();
   for (std::size_t i = 0; i < blocks.front().pixels.size(); i += blocks.front().channels.size()) {
     float sum = 0.0f;
     for (const Image& b : blocks) sum += b.pixels[i];
     for (Image& b : blocks) b.pixels[i] = sum / static_cast<float>(blocks.size());
   }
-  for (const Image& b : blocks) expected.push_back(estimate_quality(b).within_two);
-  return {median(own), median(expected), median(measurable)};
+  return {own, medians()};
 }
 
 void print_details(const Measurement& m, const Foretold& f, int seeds) {
   fmt::print("{:20}", "");
   for (const PhaseTime& phase : m.stats.phases) fmt::print("  {} {:.2f} s", phase.name, phase.cpu_seconds);
   fmt::print("  gather rays {:.1f} M\n", 1e-6 * static_cast<double>(m.stats.gather_rays));
-  fmt::print(
-      "{:20}  records for {:.3f}, estimated relMSE {:.2e}, within a factor of two in {:.0f} % of the "
-      "{:.0f} % of blocks that can be told, of the root mean square of {} seeds in {:.0f} %\n",
-      "", m.stats.records_error, m.stats.relative_error * m.stats.relative_error, 100.0 * f.own,
-      100.0 * f.measurable, seeds, 100.0 * f.expected);
+  const auto told = [](const EstimateQuality& q) {
+    return fmt::format("{:.0f} % of the {:.0f} % of blocks that can be told", 100.0 * q.within_two,
+                       100.0 * q.measurable);
+  };
+  fmt::print("{:20}  records for {:.3f}, estimated relMSE {:.2e}\n", "", m.stats.records_error,
+             m.stats.relative_error * m.stats.relative_error);
+  fmt::print("{:20}  within a factor of two in {}, of the expected error (of {} seeds) in {}\n", "",
+             told(f.own), seeds, told(f.expected));
 }
 
 json compare(const Scene& scene, const References& references, const CacheSetting& setting,
@@ -171,8 +176,8 @@ json compare(const Scene& scene, const References& references, const CacheSettin
   }
   json row = {{"setting", setting.label}, {"records", median(records)}, {"cache", cache.to_json()}};
   const Foretold f = foretold(blocks);
-  row["estimate_within_two"] = f.own;
-  row["estimate_within_two_of_expected"] = f.expected;
+  row["estimate_within_two"] = f.own.within_two;
+  row["estimate_within_two_of_expected"] = f.expected.within_two;
   fmt::print("{:20} {:>8.0f} {:>9.2f} {:>10.3e}", setting.label, median(records), cache.cpu(), cache.error());
   if (!settings.cache_only) {
     const int samples = equal_time_samples(scene, cache.cpu());

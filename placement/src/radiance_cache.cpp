@@ -9,22 +9,25 @@
 namespace vrc {
 namespace {
 
-/// A channel of a record, by the displacement and by all that the normal turns.
-TiltingJet<double> by_turn(const RadianceRecord& record, std::size_t channel) {
-  const auto& [value, g, h] = record.radiance[channel];
-  const auto& [n, x, m] = record.tilt[channel];
-  const Mat2& s = record.site.point.shape_operator;
-  return along_surface<double>({{g[0], g[1], h(0, 0), h(0, 1), h(1, 1)},
-                                n[0],
-                                n[1],
-                                x(0, 0),
-                                x(0, 1),
-                                x(1, 0),
-                                x(1, 1),
-                                m(0, 0),
-                                m(0, 1),
-                                m(1, 1)},
-                               -s(0, 0), -s(0, 1), -s(1, 1));
+/// A polynomial in d and in tau, what the normal turns beyond `s` d, as one in d and in all that it turns.
+TiltingJet<double> by_turn(const Jet2& jet, const TiltJet& tilt, const Mat2& s) {
+  const Vec2 &g = jet.gradient, &n = tilt.gradient;
+  const Mat2 &h = jet.hessian, &x = tilt.mixed, &m = tilt.hessian;
+  TiltingJet<double> j = {{g[0], g[1], h(0, 0), h(0, 1), h(1, 1)}, n[0], n[1]};
+  j.x11 = x(0, 0);
+  j.x12 = x(0, 1);
+  j.x21 = x(1, 0);
+  j.x22 = x(1, 1);
+  j.m11 = m(0, 0);
+  j.m12 = m(0, 1);
+  j.m22 = m(1, 1);
+  return along_surface<double>(j, -s(0, 0), -s(0, 1), -s(1, 1));
+}
+
+bool tilts(const RadianceRecord& record) {
+  return !record.uses_harmonics() && std::ranges::any_of(record.tilt, [](const TiltJet& t) {
+    return !(t.gradient.isZero(0.0) && t.mixed.isZero(0.0) && t.hessian.isZero(0.0));
+  });
 }
 
 }  // namespace
@@ -51,10 +54,10 @@ PackedRecord pack(const RadianceRecord& record) {
     return Vec2(axis.dot(record.site.frame.tangent), axis.dot(record.site.frame.bitangent)) * radius;
   };
   const Vec2 a = in_frame(r.axis1, r.radius1), b = in_frame(r.axis2, r.radius2);
-  p.tilts = !record.uses_harmonics() &&
-            std::ranges::any_of(record.tilt, [](const TiltJet& t) { return !t.gradient.isZero(0.0); });
+  p.tilts = tilts(record);
+  const Mat2 shape_operator = p.tilts ? record.site.point.shape_operator : Mat2::Zero();
   for (std::size_t c = 0; c < 3; ++c) {
-    const TiltingJet<double> j = by_turn(record, c);
+    const TiltingJet<double> j = by_turn(record.radiance[c], record.tilt[c], shape_operator);
     const Vec2 gradient(j.moved.g1, j.moved.g2);
     Mat2 hessian;
     hessian << j.moved.h11, j.moved.h12, j.moved.h12, j.moved.h22;

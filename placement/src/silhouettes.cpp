@@ -15,9 +15,11 @@ constexpr float kFlat = 1e-3f;
 // Tangent planes seen at a grazing angle are not extrapolated farther than this times the hit's distance, nor
 // nearer than the inverse of it.
 constexpr float kFarthestExtrapolation = 2.0f;
-// A surface that bends ends for the eye where its tangent plane meets it. The nearest ray that met it is this
-// much farther from that silhouette than the piece, at most.
+// From a hit to the contact behind it, the angle is at most this times that to the silhouette that was found
+// beside the hit: farther contacts are none, the surface ends before.
 constexpr float kFarthestContact = 4.0f;
+// Radii of curvature count as this times the hit's distance at most: flat parts know their curvature badly.
+constexpr float kLargestRadius = 10.0f;
 // Pieces nearer to the horizon than about this angle are left out: the cosine makes them negligible. [rad]
 constexpr float kLowest = 1e-3f;
 // The cells that the far surface's radiance is fitted to. Cells are several times as long across the rows
@@ -99,12 +101,12 @@ TiltingJet<V3x16> strip(const V3x16& weight, F16 nu1, F16 nu2, F16 nun, const Mo
 struct Contacts16 {
   I16 touch{};
   F16 inverse_distance{};
-  F16 radius{};    ///< Of the surface's normal curvature along the ray; 0 without a contact. [length]
+  F16 radius{};    ///< 1 / k, k the surface's normal curvature along the ray; 0 without a contact. [length]
   V3x16 normal{};  ///< Of the surface at the contact: unit and perpendicular to the ray.
 };
 
 /// What the sliding adds to the Hessian. In the plane of the ray w and the normal n at the contact, the
-/// tangent to a surface of radius k, at the inverse distance a, turns by a further (d . n)^2 a^3 k / 2, so
+/// tangent to a surface of curvature k, at the inverse distance a, turns by a further (d . n)^2 a^3 / 2k, so
 /// that the near surface hides more of the far one however the record moves. `weight` is the difference of
 /// their radiances times f cos, nu the silhouette's normal times its length, on the side of the far surface.
 UnitJet<V3x16> sliding(const V3x16& weight, const Contacts16& c, const V3x16& nu, const V3x16& tangent,
@@ -322,12 +324,12 @@ class Pieces {
     const F16 trend = min(max(1.0f + dot(across, w - of_far3(kMeanX)), 0.0f), 3.0f);
     const V3x16 radiance = select(up, of_far3(kMeanR) * trend, V3x16{});
 
-    const Contacts16 contacts = contacts_at(near, w);
     const F16 at_hit = gather(grid_.field(Field::kInverseDistance), near);
-    const F16 on_plane = dot(gather3(grid_, Field::kPlaneX, near), w);
-    const F16 a =
-        select(contacts.touch, contacts.inverse_distance,
-               min(max(on_plane, at_hit * (1.0f / kFarthestExtrapolation)), at_hit * kFarthestExtrapolation));
+    const V3x16 near_plane = gather3(grid_, Field::kPlaneX, near);
+    const Contacts16 contacts = contacts_at(up, near, at_hit, near_plane, w);
+    const F16 a = select(contacts.touch, contacts.inverse_distance,
+                         min(max(dot(near_plane, w), at_hit * (1.0f / kFarthestExtrapolation)),
+                             at_hit * kFarthestExtrapolation));
     const F16 b = max(dot(gather3(grid_, Field::kPlaneX, far), w), 0.0f);
     const Directions16 d = rays_.square().with_camera(w);
     const F16 balance = balance_weight(strategy, d);
@@ -343,36 +345,39 @@ class Pieces {
     others.g2 += far2;
     const V3x16 swept = radiance * (a - b);
     const V3x16 covered = select(up, gather3(grid_, Field::kRadianceR, near) - radiance, V3x16{});
+    V3x16 responses{};
     for (const Lobe& lobe : rays_.bsdf().lobes) {
       std::visit(
           [&](const auto& l) {
             const V3x16 response = tint(l, d) * (shape(l, d) * balance);
+            responses += response;
             total = sum(total, strip(swept * response, nu1, nu2, nun, moving,
                                      shape_jet<Jet<F16>>(l, moving) * others));
-            if (any(contacts.touch))
-              total = sum(sliding(covered * response, contacts, nu, tangent_, bitangent_), total);
           },
           lobe);
     }
+    if (any(contacts.touch))
+      total = sum(sliding(covered * responses, contacts, nu, tangent_, bitangent_), total);
   }
 
-  /// Of pieces in the directions w beside near cells.
-  [[nodiscard]] Contacts16 contacts_at(I16 near, const V3x16& w) const {
+  /// Of pieces in the directions w beside near cells, whose hits and tangent planes are given.
+  [[nodiscard]] Contacts16 contacts_at(I16 active, I16 near, F16 at_hit, const V3x16& plane,
+                                       const V3x16& w) const {
     const V3x16 o = gather3(grid_, Field::kDirectionX, near);
-    const V3x16 plane = gather3(grid_, Field::kPlaneX, near);
-    const F16 at_hit = gather(grid_.field(Field::kInverseDistance), near);
     const V3x16 normal = -normalize(plane);
-    const F16 cosine = -dot(normal, o);
+    const F16 cosine = max(-dot(normal, o), 0.0f);
     const F16 curvature =
         rays_.scene().normal_curvature(bits(gather(grid_.field(Field::kTriangle), near)), o, normal);
-    const V3x16 away = w - o;
-    const I16 touch = (curvature > 0.0f) & (cosine * cosine * at_hit <
-                                            2.0f * kFarthestContact * curvature * sqrt(dot(away, away)));
+    const F16 radius = min(1.0f / max(curvature, 1e-20f), kLargestRadius / max(at_hit, 1e-20f));
+    // In a sphere distance^2 = hit^2 + 2 hit cosine radius.
+    const F16 inverse_distance = at_hit / sqrt(1.0f + 2.0f * at_hit * cosine * radius);
+    const V3x16 away = w - o, across = normal - w * dot(normal, w);
+    const F16 angle = 0.5f * cosine * cosine * radius * inverse_distance;
+    const I16 touch = active & (curvature > 0.0f) & (angle < kFarthestContact * sqrt(dot(away, away))) &
+                      (inverse_distance * kFarthestExtrapolation > at_hit) & (dot(across, across) > 1e-6f);
     if (!any(touch)) return {};
-    const F16 radius = select(touch, 1.0f / max(curvature, 1e-20f), F16{});
-    // The contact lies cosine / curvature behind the hit.
-    return {touch, select(touch, at_hit / (1.0f + at_hit * cosine * radius), F16{}), radius,
-            select(touch, normalize(normal - w * dot(normal, w)), V3x16{})};
+    return {touch, select(touch, inverse_distance, F16{}), select(touch, radius, F16{}),
+            select(touch, normalize(across), V3x16{})};
   }
 
   /// Of the strategies that the pieces were found by.

@@ -114,6 +114,29 @@ TEST(UnitJet, SixteenLanesAgreeWithDouble) {
   }
 }
 
+TEST(TiltingJet, GoesAlongASurfaceAndBack) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> entry(-2.0, 2.0);
+  TiltingJet<double> j;
+  for (double* e : {&j.moved.g1, &j.moved.g2, &j.moved.h11, &j.moved.h12, &j.moved.h22, &j.n1, &j.n2, &j.x11,
+                    &j.x12, &j.x21, &j.x22, &j.m11, &j.m12, &j.m22})
+    *e = entry(random);
+  const double s11 = entry(random), s12 = entry(random), s22 = entry(random);
+  const TiltingJet<double> along = along_surface(j, s11, s12, s22);
+  EXPECT_GT(std::abs(along.moved.h11 - j.moved.h11), 0.1);
+  const TiltingJet<double> back = along_surface(along, -s11, -s12, -s22);
+  expect_close(back.moved, j.moved);
+  for (const auto& [a, b] : {std::pair(back.n1, j.n1),
+                             {back.n2, j.n2},
+                             {back.x11, j.x11},
+                             {back.x12, j.x12},
+                             {back.x21, j.x21},
+                             {back.x22, j.x22},
+                             {back.m11, j.m11},
+                             {back.m22, j.m22}})
+    EXPECT_NEAR(a, b, 1e-12);
+}
+
 TEST(Jet2, ExtrapolatesByOrder) {
   Jet2 jet;
   jet.value = 3.0;

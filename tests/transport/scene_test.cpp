@@ -153,27 +153,44 @@ TEST(Scene, SmoothNormalsFollowTheSphere) {
   EXPECT_LT(worst, 0.002) << "interpolated, not faceted";
 }
 
-TEST(Scene, NormalCurvatureOfSpheresPillarsAndCubes) {
+/// Normal curvature, in units of 1 / `unit`, where a ray meets the scene; all lengths are in the unit.
+float curvature_at(const Scene& scene, double unit, const Vec3& from, const Vec3& ray, const Vec3& along) {
+  const SurfacePoint16 p = scene.intersect(splat(-1), ray16(unit * from, ray), kIncoherent);
+  EXPECT_TRUE(all(p.hit));
+  return static_cast<float>(unit) * scene.normal_curvature(p.triangle, splat3(along), p.geometric_normal)[0];
+}
+
+TEST(Scene, NormalCurvatureOfSpheresInAnyUnit) {
+  for (const double unit : {1e-4, 1.0, 1e4}) {
+    SceneDescription description;
+    add_shape(description, make_sphere(Vec3::Zero(), 2.0 * unit), matte(0.5f), 0.0f, false);
+    const Scene scene(description);
+    Random random(5);
+    for (int k = 0; k < 100; ++k) {
+      const Vec3 w = random.direction(), along = random.direction();
+      EXPECT_NEAR(curvature_at(scene, unit, 3.0 * w, -w, along), 0.5, 0.02) << "outside, unit " << unit;
+      EXPECT_NEAR(curvature_at(scene, unit, Vec3::Zero(), w, along), -0.5, 0.02) << "inside, unit " << unit;
+    }
+  }
+}
+
+TEST(Scene, NormalCurvatureOfPillarsAndCubes) {
   SceneDescription description;
-  add_shape(description, make_sphere(Vec3::Zero(), 2.0), matte(0.5f), 0.0f, false);
   add_shape(description, make_cylinder(Vec3(9, 0, -1), Vec3(9, 0, 1), 0.5), matte(0.5f), 0.0f, false);
   add_shape(description, placed(make_cube(), Vec3(1, 1, 1), Vec3(20, 0, 0)), matte(0.5f), 0.0f, false);
   const Scene scene(description);
-  const auto curvature = [&](const Vec3& from, const Vec3& ray, const Vec3& along) {
-    const SurfacePoint16 p = scene.intersect(splat(-1), ray16(from, ray), kIncoherent);
-    EXPECT_TRUE(all(p.hit));
-    return scene.normal_curvature(p.triangle, splat3(along), p.geometric_normal)[0];
-  };
-  Random random(5);
-  for (int k = 0; k < 100; ++k) {
-    const Vec3 w = random.direction(), along = random.direction();
-    EXPECT_NEAR(curvature(3.0 * w, -w, along), 0.5, 0.02) << "outside";
-    EXPECT_NEAR(curvature(Vec3::Zero(), w, along), -0.5, 0.02) << "inside";
-  }
-  EXPECT_NEAR(curvature(Vec3(12, 0, 0.1), -Vec3::UnitX(), Vec3::UnitY()), 2.0, 0.02);
-  EXPECT_NEAR(curvature(Vec3(12, 0, 0.1), -Vec3::UnitX(), Vec3::UnitZ()), 0.0, 1e-3);
-  EXPECT_NEAR(curvature(Vec3(12, 0, 0.1), -Vec3::UnitX(), Vec3(1, 1, 1)), 1.0, 0.02);
-  EXPECT_EQ(curvature(Vec3(25, 0.1, 0), -Vec3::UnitX(), Vec3::UnitY()), 0.0f);
+  const Vec3 beside(12, 0, 0.1), towards = -Vec3::UnitX();
+  EXPECT_NEAR(curvature_at(scene, 1.0, beside, towards, Vec3::UnitY()), 2.0, 0.02);
+  EXPECT_NEAR(curvature_at(scene, 1.0, beside, towards, Vec3::UnitZ()), 0.0, 1e-3);
+  EXPECT_NEAR(curvature_at(scene, 1.0, beside, towards, Vec3(1, 1, 1)), 1.0, 0.02);
+  EXPECT_EQ(curvature_at(scene, 1.0, Vec3(25, 0.1, 0), towards, Vec3::UnitY()), 0.0f);
+  // Lanes of either kind.
+  const SurfacePoint16 pillar = scene.intersect(splat(-1), ray16(beside, towards), kIncoherent);
+  const SurfacePoint16 cube = scene.intersect(splat(-1), ray16(Vec3(25, 0.1, 0), towards), kIncoherent);
+  const I16 even = (lane_index() & 1) == 0;
+  const F16 k = scene.normal_curvature(select(even, pillar.triangle, cube.triangle), splat3(Vec3::UnitY()),
+                                       splat3(Vec3::UnitX()));
+  for (int i = 0; i < kLanes; ++i) EXPECT_NEAR(k[i], i % 2 == 0 ? 2.0 : 0.0, 0.02);
 }
 
 TEST(Scene, HitPointLiesOnTheRay) {

@@ -198,14 +198,15 @@ F16 Scene::normal_curvature(I16 triangle, const V3x16& direction, const V3x16& f
   const V3x16 e1 = reader.vector(kE1), e2 = reader.vector(kE2);
   const F16 e11 = dot(e1, e1), e12 = dot(e1, e2), e22 = dot(e2, e2);
   const F16 d1 = dot(e1, direction), d2 = dot(e2, direction);
-  // The projected direction is (u e1 + v e2) / determinant; normals change linearly over the triangle.
-  const F16 u = e22 * d1 - e12 * d2, v = e11 * d2 - e12 * d1;
+  const F16 determinant = e11 * e22 - e12 * e12;
+  const I16 known = smooth & (determinant > 0.0f);
+  const F16 inverse = 1.0f / select(known, determinant, splat(1.0f));
+  // The projected direction is u e1 + v e2; normals change linearly over the triangle.
+  const F16 u = (e22 * d1 - e12 * d2) * inverse, v = (e11 * d2 - e12 * d1) * inverse;
   const V3x16 along = e1 * u + e2 * v;
   const V3x16 n0 = corner_normal(triangle, 0);
   const V3x16 turn = (corner_normal(triangle, 1) - n0) * u + (corner_normal(triangle, 2) - n0) * v;
-  const F16 squared = dot(along, along);
-  const I16 known = smooth & (squared > 0.0f);
-  const F16 outside = dot(turn, along) / select(known, squared, splat(1.0f));
+  const F16 outside = dot(turn, along) / max(dot(along, along), 1e-20f);
   return select(known, select(dot(reader.vector(kNormal), facing) < 0.0f, -outside, outside), F16{});
 }
 

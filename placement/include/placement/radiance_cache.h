@@ -23,7 +23,9 @@ struct PackedRecord {
   float inverse_deviation, inverse_widest;  ///< Of the region.
   float reach;                              ///< Largest radius.
   float value[3], g1[3], g2[3], h11[3], h12[3], h22[3];
-  bool tilts = false;  ///< Whether it knows how radiance changes with the normal; if so:
+  /// Whether it knows how radiance changes with the normal. If so, derivatives along the axes are those with
+  /// the normal of the record, and there are others:
+  bool tilts = false;
   float tan_max_deviation;
   Vec3f tangent, bitangent;
   float n1[3], n2[3], x11[3], x12[3], x21[3], x22[3], m11[3], m12[3], m22[3];  ///< TiltingJet's.
