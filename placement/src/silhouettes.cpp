@@ -370,11 +370,12 @@ class Pieces {
         rays_.scene().normal_curvature(bits(gather(grid_.field(Field::kTriangle), near)), o, normal);
     const F16 radius = min(1.0f / max(curvature, 1e-20f), kLargestRadius / max(at_hit, 1e-20f));
     // In a sphere distance^2 = hit^2 + 2 hit cosine radius.
-    const F16 inverse_distance = at_hit / sqrt(1.0f + 2.0f * at_hit * cosine * radius);
+    const F16 inverse_distance =
+        max(at_hit / sqrt(1.0f + 2.0f * at_hit * cosine * radius), at_hit * (1.0f / kFarthestExtrapolation));
     const V3x16 away = w - o, across = normal - w * dot(normal, w);
     const F16 angle = 0.5f * cosine * cosine * radius * inverse_distance;
     const I16 touch = active & (curvature > 0.0f) & (angle < kFarthestContact * sqrt(dot(away, away))) &
-                      (inverse_distance * kFarthestExtrapolation > at_hit) & (dot(across, across) > 1e-6f);
+                      (dot(across, across) > 1e-6f);
     if (!any(touch)) return {};
     return {touch, select(touch, inverse_distance, F16{}), select(touch, radius, F16{}),
             select(touch, normalize(across), V3x16{})};
