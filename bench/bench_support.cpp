@@ -111,28 +111,33 @@ Image reference_of_seed(const Scene& scene, const fs::path& file, const PictureS
   return image;
 }
 
+void add_positive(CLI::App& app, const char* name, int& target, const char* help) {
+  app.add_option(name, target, help)->check(CLI::PositiveNumber)->capture_default_str();
+}
+
 }  // namespace
 
-void declare_picture_options(CLI::App& app, PictureSettings& settings) {
-  const auto add = [&](const char* name, auto& target, const char* help) {
-    app.add_option(name, target, help)->check(CLI::PositiveNumber)->capture_default_str();
-  };
+void declare_scene_options(CLI::App& app, PictureSettings& settings) {
   app.add_option("scenes", settings.scenes, "Scene files")->capture_default_str();
   app.add_option("-D,--define", settings.defines, "NAME=VALUE: a parameter of the scene files")
       ->allow_extra_args(false);
-  add("--width", settings.width, "Film width");
-  add("--height", settings.height, "Film height");
-  add("--spp", settings.samples_per_pixel, "Samples a pixel of the cache's picture");
-  add("--reference-spp", settings.reference_samples,
-      "Camera samples a pixel of each of the three references");
+  add_positive(app, "--width", settings.width, "Film width");
+  add_positive(app, "--height", settings.height, "Film height");
+  add_positive(app, "--threads", settings.threads, "Worker threads");
+}
+
+void declare_picture_options(CLI::App& app, PictureSettings& settings) {
+  declare_scene_options(app, settings);
+  add_positive(app, "--spp", settings.samples_per_pixel, "Samples a pixel of the cache's picture");
+  add_positive(app, "--reference-spp", settings.reference_samples,
+               "Camera samples a pixel of each of the three references");
   app.add_option("--reference-rays", settings.reference_rays,
                  "Guided rays a pixel of each reference; 0: a path from each camera sample")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--reference-dir", settings.reference_dir, "Folder of the references")
       ->capture_default_str();
-  add("--repeats", settings.repeats, "Seeds to take medians over");
-  add("--threads", settings.threads, "Worker threads");
+  add_positive(app, "--repeats", settings.repeats, "Seeds to take medians over");
 }
 
 SceneDescription read_scene_for(const std::string& file, const PictureSettings& settings) {

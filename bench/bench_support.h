@@ -33,6 +33,9 @@ struct PictureSettings {
   int threads = 2;
 };
 
+/// Scenes, film and threads.
+void declare_scene_options(CLI::App& app, PictureSettings& settings);
+/// And what pictures and their references take.
 void declare_picture_options(CLI::App& app, PictureSettings& settings);
 
 [[nodiscard]] SceneDescription read_scene_for(const std::string& file, const PictureSettings& settings);

@@ -262,7 +262,7 @@ int main(int argc, char** argv) {
   using namespace vrc::bench;
   Settings settings;
   CLI::App app("Derivatives beside occluders against finite differences");
-  declare_picture_options(app, settings);
+  declare_scene_options(app, settings);
   app.add_option("--nearest", settings.nearest, "Least distance of occluders")->capture_default_str();
   app.add_option("--farthest", settings.farthest, "Largest distance of occluders")->capture_default_str();
   app.add_option("--step", settings.step, "Of finite differences, over the scene's radius")
