@@ -91,9 +91,7 @@ Sample sample(const std::function<Jet2(std::uint64_t)>& gather, std::uint64_t fi
   Sample result;
   for (int i = 0; i < kGathers; ++i) {
     jets.push_back(gather(first_seed + static_cast<std::uint64_t>(i)));
-    result.mean.value += jets.back().value / kGathers;
-    result.mean.gradient += jets.back().gradient / kGathers;
-    result.mean.hessian += jets.back().hessian / kGathers;
+    result.mean = result.mean + (1.0 / kGathers) * jets.back();
   }
   for (const Jet2& j : jets) {
     result.gradient_variance += (j.gradient - result.mean.gradient).squaredNorm() / (kGathers - 1);
@@ -116,18 +114,6 @@ std::optional<double> occluder_distance(const Scene& scene, const RecordSite& si
   const Ray16 ray = {splat3(behind), splat3(hits.nearest_direction), splat(1e17f)};
   if (scene.intersect(first, ray, RayTracer::Coherence::kIncoherent).hit[0] == 0) return std::nullopt;
   return hits.nearest;
-}
-
-std::optional<RecordSite> site_at(const Scene& scene, double x, double y, std::uint64_t key) {
-  I16 first{};
-  first[0] = -1;
-  const Ray16 ray = {splat3(scene.camera().origin), splat3(scene.camera().direction(x, y)), splat(1e17f)};
-  const SurfacePoint16 p = scene.intersect(first, ray, RayTracer::Coherence::kIncoherent);
-  if (p.scatters[0] == 0) return std::nullopt;
-  return make_site(
-      scene,
-      scene.surface_point(static_cast<std::uint32_t>(p.triangle[0]), p.u[0], p.v[0], scene.camera().origin),
-      key);
 }
 
 std::optional<Reference> reference_at(const Scene& scene, const RecordSite& site, const Settings& settings) {
@@ -154,14 +140,15 @@ std::vector<Point> points_beside_occluders(const Scene& scene, const Settings& s
       film.emplace_back(x + 0.5, y + 0.5);
   std::vector<std::optional<Point>> found(film.size());
   parallel_for(film.size(), [&](std::size_t i) {
-    const auto site = site_at(scene, film[i][0], film[i][1], i);
-    if (!site || site->frame.normal.y() < kUpwards) return;
-    const auto distance = occluder_distance(scene, *site);
+    const auto point = scene.seen_at(film[i][0], film[i][1]);
+    if (!point || point->normal.y() < kUpwards) return;
+    const RecordSite site = make_site(scene, *point, i);
+    const auto distance = occluder_distance(scene, site);
     if (!distance || *distance < settings.nearest || *distance > settings.farthest) return;
-    const auto reference = reference_at(scene, *site, settings);
+    const auto reference = reference_at(scene, site, settings);
     if (!reference) return;
     const Vec2 share(film[i][0] / settings.width, film[i][1] / settings.height);
-    found[i] = Point{share, *site, *distance, *reference};
+    found[i] = Point{share, site, *distance, *reference};
   });
   std::vector<Point> points;
   for (const auto& p : found)

@@ -103,33 +103,17 @@ GatherDirections directions_for(const CacheOptions& options) {
                                                       : GatherDirections::kCosine;
 }
 
-Jet2 weighted(const Jet2& a, double share_of_a, const Jet2& b, double share_of_b) {
-  Jet2 sum;
-  sum.value = share_of_a * a.value + share_of_b * b.value;
-  sum.gradient = share_of_a * a.gradient + share_of_b * b.gradient;
-  sum.hessian = share_of_a * a.hessian + share_of_b * b.hessian;
-  return sum;
-}
-
-TiltJet weighted(const TiltJet& a, double share_of_a, const TiltJet& b, double share_of_b) {
-  TiltJet sum;
-  sum.gradient = share_of_a * a.gradient + share_of_b * b.gradient;
-  sum.mixed = share_of_a * a.mixed + share_of_b * b.mixed;
-  sum.hessian = share_of_a * a.hessian + share_of_b * b.hessian;
-  return sum;
-}
-
 /// The estimate of the rays of two independent ones together.
 RadianceEstimate pooled(const RadianceEstimate& a, double rays_of_a, const RadianceEstimate& b,
                         double rays_of_b) {
   const double sa = rays_of_a / (rays_of_a + rays_of_b), sb = 1.0 - sa;
   RadianceEstimate sum;
   for (std::size_t c = 0; c < 3; ++c) {
-    sum.radiance[c] = weighted(a.radiance[c], sa, b.radiance[c], sb);
-    sum.tilt[c] = weighted(a.tilt[c], sa, b.tilt[c], sb);
+    sum.radiance[c] = sa * a.radiance[c] + sb * b.radiance[c];
+    sum.tilt[c] = sa * a.tilt[c] + sb * b.tilt[c];
   }
-  sum.luminance = weighted(a.luminance, sa, b.luminance, sb);
-  sum.variance = weighted(a.variance, sa * sa, b.variance, sb * sb);
+  sum.luminance = sa * a.luminance + sb * b.luminance;
+  sum.variance = sa * sa * a.variance + sb * sb * b.variance;
   sum.hits = a.hits.nearest <= b.hits.nearest ? a.hits : b.hits;
   sum.hits.mean_inverse = sa * a.hits.mean_inverse + sb * b.hits.mean_inverse;
   return sum;

@@ -344,7 +344,6 @@ class Pieces {
     others.g1 += far1;
     others.g2 += far2;
     const V3x16 swept = radiance * (a - b);
-    const V3x16 covered = select(up, gather3(grid_, Field::kRadianceR, near) - radiance, V3x16{});
     V3x16 responses{};
     for (const Lobe& lobe : rays_.bsdf().lobes) {
       std::visit(
@@ -356,8 +355,10 @@ class Pieces {
           },
           lobe);
     }
-    if (any(contacts.touch))
+    if (any(contacts.touch)) {
+      const V3x16 covered = select(up, gather3(grid_, Field::kRadianceR, near) - radiance, V3x16{});
       total = sum(sliding(covered * responses, contacts, nu, tangent_, bitangent_), total);
+    }
   }
 
   /// Of pieces in the directions w beside near cells, whose hits and tangent planes are given.
@@ -365,17 +366,19 @@ class Pieces {
                                        const V3x16& w) const {
     const V3x16 o = gather3(grid_, Field::kDirectionX, near);
     const V3x16 normal = -normalize(plane);
-    const F16 cosine = max(-dot(normal, o), 0.0f);
     const F16 curvature =
         rays_.scene().normal_curvature(bits(gather(grid_.field(Field::kTriangle), near)), o, normal);
+    const I16 convex = active & (curvature > 0.0f);
+    if (!any(convex)) return {};
+    const F16 cosine = max(-dot(normal, o), 0.0f);
     const F16 radius = min(1.0f / max(curvature, 1e-20f), kLargestRadius / max(at_hit, 1e-20f));
     // In a sphere distance^2 = hit^2 + 2 hit cosine radius.
     const F16 inverse_distance =
         max(at_hit / sqrt(1.0f + 2.0f * at_hit * cosine * radius), at_hit * (1.0f / kFarthestExtrapolation));
     const V3x16 away = w - o, across = normal - w * dot(normal, w);
     const F16 angle = 0.5f * cosine * cosine * radius * inverse_distance;
-    const I16 touch = active & (curvature > 0.0f) & (angle < kFarthestContact * sqrt(dot(away, away))) &
-                      (dot(across, across) > 1e-6f);
+    const I16 touch =
+        convex & (angle < kFarthestContact * sqrt(dot(away, away))) & (dot(across, across) > 1e-6f);
     if (!any(touch)) return {};
     return {touch, select(touch, inverse_distance, F16{}), select(touch, radius, F16{}),
             select(touch, normalize(across), V3x16{})};

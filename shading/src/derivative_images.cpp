@@ -94,16 +94,10 @@ class Estimator {
  private:
   /// The reflecting surface behind the centre of a pixel.
   [[nodiscard]] std::optional<RecordSite> site_at(int x, int y, RayCounts& counts) const {
-    const Camera& camera = scene_.camera();
-    I16 first{};
-    first[0] = -1;
-    const Ray16 ray = {splat3(camera.origin), splat3(camera.direction(x + 0.5, y + 0.5)), splat(1e17f)};
     ++counts.camera;
-    const SurfacePoint16 p = scene_.intersect(first, ray, RayTracer::Coherence::kIncoherent);
-    if (p.scatters[0] == 0) return std::nullopt;
-    const auto triangle = static_cast<std::uint32_t>(p.triangle[0]);
-    return make_site(scene_, scene_.surface_point(triangle, p.u[0], p.v[0], camera.origin),
-                     hash(kSiteKey, x, y));
+    const std::optional<SurfacePoint> point = scene_.seen_at(x + 0.5, y + 0.5);
+    if (!point) return std::nullopt;
+    return make_site(scene_, *point, hash(kSiteKey, x, y));
   }
 
   const Scene& scene_;

@@ -22,12 +22,8 @@ using Estimator = std::function<Jet2(const RecordSite& site, std::uint64_t seed)
 /// The mean of estimates of independent seeds.
 inline Jet2 converged(const Estimator& estimate, const RecordSite& site, std::uint64_t first_seed) {
   Jet2 sum;
-  for (std::uint64_t seed = first_seed; seed < first_seed + kGathers; ++seed) {
-    const Jet2 j = estimate(site, seed);
-    sum.value += j.value / kGathers;
-    sum.gradient += j.gradient / kGathers;
-    sum.hessian += j.hessian / kGathers;
-  }
+  for (std::uint64_t seed = first_seed; seed < first_seed + kGathers; ++seed)
+    sum = sum + (1.0 / kGathers) * estimate(site, seed);
   return sum;
 }
 

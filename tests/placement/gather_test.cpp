@@ -221,8 +221,7 @@ std::vector<std::pair<HitDistances, HitDistances>> distances_of(const Scene& sce
   std::vector<std::pair<HitDistances, HitDistances>> result;
   for (int i = 0; i < kSide * kSide; ++i) {
     const Vec2 share(((i % kSide) + 0.5) / kSide, ((i / kSide) + 0.5) / kSide);
-    const auto point =
-        test::seen_at(scene, share[0] * scene.camera().width, share[1] * scene.camera().height);
+    const auto point = scene.seen_at(share[0] * scene.camera().width, share[1] * scene.camera().height);
     if (!point || !wanted(*point)) continue;
     const RecordSite site = make_site(scene, *point, static_cast<std::uint64_t>(i));
     RayCounts counts;

@@ -24,23 +24,11 @@ inline Scene load_scene(const std::string& name, int width, int height,
   return Scene(read_scene(std::string(VRC_SOURCE_DIR "/scenes/") + name, options));
 }
 
-/// The reflecting surface that the camera sees at a film position.
-inline std::optional<SurfacePoint> seen_at(const Scene& scene, double film_x, double film_y) {
-  I16 first{};
-  first[0] = -1;
-  const Ray16 ray = {splat3(scene.camera().origin), splat3(scene.camera().direction(film_x, film_y)),
-                     splat(1e17f)};
-  const SurfacePoint16 p = scene.intersect(first, ray, RayTracer::Coherence::kIncoherent);
-  if (p.scatters[0] == 0) return std::nullopt;
-  return scene.surface_point(static_cast<std::uint32_t>(p.triangle[0]), p.u[0], p.v[0],
-                             scene.camera().origin);
-}
-
 /// Sites at given film positions, as shares of the film's size; all must see a surface.
 inline std::vector<RecordSite> sites_at(const Scene& scene, const std::vector<Vec2>& shares) {
   std::vector<RecordSite> sites;
   for (const Vec2& s : shares) {
-    const auto point = seen_at(scene, s[0] * scene.camera().width, s[1] * scene.camera().height);
+    const auto point = scene.seen_at(s[0] * scene.camera().width, s[1] * scene.camera().height);
     EXPECT_TRUE(point.has_value()) << s.transpose();
     if (point) sites.push_back(make_site(scene, *point, 1000 + sites.size()));
   }

@@ -33,7 +33,7 @@ RadianceRecord record_on(const Scene& scene, const SurfacePoint& point, double r
 }
 
 SurfacePoint point_on(const Scene& scene, double x, double y) {
-  const auto seen = test::seen_at(scene, x * scene.camera().width, y * scene.camera().height);
+  const auto seen = scene.seen_at(x * scene.camera().width, y * scene.camera().height);
   EXPECT_TRUE(seen.has_value());
   return *seen;
 }
@@ -57,7 +57,7 @@ TEST(ClassifySite, SpheresTurnByTheEllipseOverTheRadius) {
   const SceneCharts charts(scene);
   SurfacePoint point;  // on the large ball
   for (int y = 0; y < 256 && point.shape_operator.norm() == 0.0; ++y) {
-    const auto seen = test::seen_at(scene, 0.66 * 256, y);
+    const auto seen = scene.seen_at(0.66 * 256, y);
     if (seen && (seen->position - Vec3(0.68, 0.2, 0.62)).norm() < 0.21) point = *seen;
   }
   ASSERT_GT(point.shape_operator.norm(), 0.0);

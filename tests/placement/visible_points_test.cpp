@@ -46,7 +46,7 @@ TEST(PixelCentres, SeeEveryReflectingPixelOnceFromCoarseToFine) {
     EXPECT_NEAR(at.x(), x + 0.5, 1e-3);
     EXPECT_NEAR(at.y(), y + 0.5, 1e-3);
     EXPECT_TRUE(seen.insert({x, y}).second);
-    const auto expected = test::seen_at(s.scene, x + 0.5, y + 0.5);
+    const auto expected = s.scene.seen_at(x + 0.5, y + 0.5);
     ASSERT_TRUE(expected.has_value());
     EXPECT_EQ(s.points.region(i), expected->region);
     EXPECT_LT((s.points.surface_point(i).position - expected->position).norm(), 1e-4);
@@ -54,7 +54,7 @@ TEST(PixelCentres, SeeEveryReflectingPixelOnceFromCoarseToFine) {
   }
   std::size_t reflecting = 0;
   for (int y = 5; y < 36; ++y) {
-    for (int x = 3; x < 48; ++x) reflecting += test::seen_at(s.scene, x + 0.5, y + 0.5).has_value();
+    for (int x = 3; x < 48; ++x) reflecting += s.scene.seen_at(x + 0.5, y + 0.5).has_value();
   }
   EXPECT_EQ(seen.size(), reflecting);
   // 31 rows allow pilot records 2 pixels apart.

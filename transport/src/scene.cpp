@@ -247,4 +247,13 @@ SurfacePoint Scene::surface_point(std::uint32_t triangle, float u, float v, cons
   return p;
 }
 
+std::optional<SurfacePoint> Scene::seen_at(double film_x, double film_y) const {
+  I16 first{};
+  first[0] = -1;
+  const Ray16 ray = {splat3(camera_.origin), splat3(camera_.direction(film_x, film_y)), splat(1e17f)};
+  const SurfacePoint16 p = intersect(first, ray, RayTracer::Coherence::kIncoherent);
+  if (p.scatters[0] == 0) return std::nullopt;
+  return surface_point(static_cast<std::uint32_t>(p.triangle[0]), p.u[0], p.v[0], camera_.origin);
+}
+
 }  // namespace vrc

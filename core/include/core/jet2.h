@@ -149,6 +149,12 @@ struct Jet2 {
     if (order >= 2) result += 0.5 * d.dot(hessian * d);
     return result;
   }
+  Jet2 operator+(const Jet2& o) const {
+    return {value + o.value, gradient + o.gradient, hessian + o.hessian};
+  }
 };
+[[nodiscard]] inline Jet2 operator*(double s, const Jet2& j) {
+  return {s * j.value, s * j.gradient, s * j.hessian};
+}
 
 }  // namespace vrc

@@ -65,7 +65,13 @@ struct TiltJet {
   [[nodiscard]] double change(const Vec2& d, const Vec2& tau) const {
     return gradient.dot(tau) + d.dot(mixed * tau) + 0.5 * tau.dot(hessian * tau);
   }
+  TiltJet operator+(const TiltJet& o) const {
+    return {gradient + o.gradient, mixed + o.mixed, hessian + o.hessian};
+  }
 };
+[[nodiscard]] inline TiltJet operator*(double s, const TiltJet& j) {
+  return {s * j.gradient, s * j.mixed, s * j.hessian};
+}
 
 /// The least cosine with the record's normal that the tangential part of another is divided by.
 inline constexpr float kLeastTiltCosine = 0.5f;

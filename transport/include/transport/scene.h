@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -79,6 +80,8 @@ class Scene {
   [[nodiscard]] SurfacePoint16 intersect(I16 active, const Ray16& ray, RayTracer::Coherence coherence) const;
   [[nodiscard]] SurfacePoint surface_point(std::uint32_t triangle, float u, float v,
                                            const Vec3& viewer) const;
+  /// The reflecting surface that the camera sees at a film position; nothing elsewhere.
+  [[nodiscard]] std::optional<SurfacePoint> seen_at(double film_x, double film_y) const;
 
   /// Normal curvatures of triangles along directions, which are projected into them; positive where the side
   /// of the normals `facing` is convex, 0 on flat triangles. [1/length]
